@@ -12,6 +12,7 @@ EXECUTABLES = (
     "trajectory_planner_node",
     "trajectory_publisher_node",
     "joint_state_simulator_node",
+    "move_group_node",
     "servo_node",
     "calibration_node",
     "rvs_node",

@@ -49,6 +49,7 @@ _SWITCHES = {
     "--no-servo": "all nodes but the servo",
     "--calibration": "also start the hand-eye calibration node; set its frames by parameters, see "
     "`calibration_node --help`",
+    "--move-group": "also start MoveIt's services, actions and topics, and the planning scene",
     "--view": "also show the robot in a browser; prints the address",
 }
 

@@ -19,10 +19,12 @@ from typing import Any
 
 import numpy as np
 import yaml
+from rclpy.node import Node
 
 from robomech_ros.errors import MissingLimitsError, RobomechError, RobotDescriptionError
 from robomech_ros.execution.joints import TIME_TO_ACCELERATION, TIME_TO_SPEED
 from robomech_ros.nodes.common.parameters import ParameterError
+from robomech_ros.nodes.common.plan_settings import PlanSettings
 from robomech_ros.regular_files import read_regular
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.documents.guarded_yaml import (
@@ -135,6 +137,26 @@ def _planning_section(document: Mapping[str, Any]) -> Mapping[str, Any]:
             break
         document = within[0]
     return document
+
+
+def robot_limits(node: Node, settings: PlanSettings) -> dict[str, Any]:
+    """Return what completes the limits of a node's robot, as keywords of `when_robot_known`.
+
+    The file of the parameter ``joint_limits`` gives what the description lacks.  The parameter
+    ``assume_limits`` lets the rest be assumed, which the log says.
+    """
+
+    def completed(robot: RobotDescription) -> RobotDescription:
+        if not settings.assume_limits:
+            return robot
+        completed, notice, file = with_assumed_rates(robot)
+        if notice:
+            more = "to set your own, edit this file and pass it with --joint-limits FILE"
+            node.get_logger().warning(f"{notice}; {more}:\n{file}")
+        return completed
+
+    limits = read_joint_limits(settings.joint_limits) if settings.joint_limits else None
+    return {"supplemented": limits.on if limits else None, "completed": completed}
 
 
 def with_assumed_rates(description: RobotDescription) -> tuple[RobotDescription, str, str]:

@@ -50,7 +50,6 @@ from robomech_ros.nodes.kinematics.messages import (
 from robomech_ros.nodes.kinematics.pose_batches import Manipulator, WorkspaceQuery, solve_in_turns
 from robomech_ros.nodes.kinematics.settings import KinematicsSettings
 from robomech_ros.nodes.middleware.queue_depth import serve
-from robomech_ros.nodes.moveit.add_services import add_moveit_services
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.outcomes import Code
 from robomech_ros.typing import Array
@@ -101,11 +100,7 @@ class KinematicsNode(Node):
         self._cloud = self.create_publisher(
             PointCloud2, "~/workspace", LATCHED, event_callbacks=silent
         )
-        moveit = model.mechanism is None and add_moveit_services(
-            self, self._frames, lambda: self._table.settings.state_timeout, self._check_size
-        )
-        text = ", compute_ik and compute_fk" if moveit else ""
-        self.get_logger().info(f"ready: {self._robot.introduction}{text}")
+        self.get_logger().info(f"ready: {self._robot.introduction}")
 
     def _manipulator(self) -> Manipulator:
         """Make the kinematics of the robot; what is compiled for its kind is loaded only then."""

@@ -12,7 +12,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.common.message_fields import check_waypoints, finite_number, not_negative
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.moveit.constraints import Conditions, frames_of
-from robomech_ros.nodes.moveit.serving import chain_of, refuse_collision_checks, refused_as
+from robomech_ros.nodes.moveit.serving import chain_of, refused_as
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.robots import SerialChain
 from robomech_ros.typing import Array
@@ -86,7 +86,6 @@ async def read_question(request: Any, robot: WholeRobot, settings: Any) -> Carte
         It cannot be served as it is; the code says by which part of it.
     """
     chain = chain_of(robot.model, request.group_name, request.link_name)
-    refuse_collision_checks(request)
     numbers = _numbers(request)
     slow = getattr(request, "cartesian_speed_limited_link", "")
     limited = chain_of(robot.model, "", slow) if slow else chain
@@ -103,7 +102,7 @@ async def read_question(request: Any, robot: WholeRobot, settings: Any) -> Carte
     with refused_as(MoveItErrorCodes.START_STATE_INVALID):
         given = robot.read(request.start_state, "start_state")
         tolerance = settings.stopped_velocity_tolerance
-        _check_rest(request.start_state.joint_state, tolerance, robot.model.units)
+        check_rest(request.start_state.joint_state, tolerance, robot.model.units)
         joints = (
             *chain.joint_names,
             *limited.joint_names,
@@ -132,7 +131,7 @@ def _chained(pose: Array, steps: list[Array]) -> Array:
     return np.stack([pose := pose @ step for step in steps])
 
 
-def _check_rest(joints: Any, tolerance: float, units: Mapping[str, str]) -> None:
+def check_rest(joints: Any, tolerance: float, units: Mapping[str, str]) -> None:
     """Refuse a start that moves: every plan starts at rest."""
     for k, speed in enumerate(joints.velocity):
         name = joints.name[k] if k < len(joints.name) else f"number {k}"
@@ -161,8 +160,8 @@ def _numbers(request: Any) -> dict[str, float]:
             "relative_jump": jump or math.inf,
             "revolute_jump": _at_least_zero(request, "revolute_jump_threshold") or math.inf,
             "prismatic_jump": _at_least_zero(request, "prismatic_jump_threshold") or math.inf,
-            "velocity_scale": _scale(request, "max_velocity_scaling_factor"),
-            "acceleration_scale": _scale(request, "max_acceleration_scaling_factor"),
+            "velocity_scale": read_scale(request, "max_velocity_scaling_factor"),
+            "acceleration_scale": read_scale(request, "max_acceleration_scaling_factor"),
             # As in MoveIt a speed below zero, too, is none.
             "speed": speed if speed > 0.0 else math.inf,
         }
@@ -176,7 +175,8 @@ def _at_least_zero(request: Any, name: str) -> float:
     return not_negative(name, _finite(request, name), "a positive number, or 0 for any move")
 
 
-def _scale(request: Any, name: str) -> float:
+def read_scale(request: Any, name: str) -> float:
+    """Read which part of a limit a request may use; 0 is all of it."""
     value = _finite(request, name)
     if value and not _LEAST_SCALE <= value <= 1.0:
         raise BadValueError(name, value, f"at least {_LEAST_SCALE:g} and at most 1, or 0 for 1")

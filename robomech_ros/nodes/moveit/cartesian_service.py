@@ -23,16 +23,20 @@ from robomech_ros.cartesian import (
     waypoint_fraction,
     waypoint_path,
 )
+from robomech_ros.collision import PlanningScene
+from robomech_ros.collision.planning import in_words
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.joint_messages import joint_trajectory
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.moveit.cartesian_request import CartesianQuestion, read_question
-from robomech_ros.nodes.moveit.serving import answering, refused_as
+from robomech_ros.nodes.moveit.serving import Collisions, answering, refused_as
 from robomech_ros.nodes.moveit.whole_robot import WholeRobot
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory import (
+    JointPath,
     Limits,
+    PathCut,
     PathTrackingStatus,
     PosePath,
     SampledPlan,
@@ -41,6 +45,8 @@ from robomech_ros.trajectory import (
 )
 from robomech_ros.typing import Array
 
+# How far before a contact a path ends, m.
+_BEFORE = 1e-3
 # The task mask of a position alone.
 _POSITION = (True, True, True, False, False, False)
 
@@ -57,25 +63,37 @@ class CartesianPathService:
         Gives the parameters of the planner.
     worker : Worker
         Plans, while the node serves others.
+    collisions : Collisions
+        What the robot may touch.
     """
 
     def __init__(
-        self, node: Node, robot: WholeRobot, settings: Callable[[], Any], worker: Worker
+        self,
+        node: Node,
+        robot: WholeRobot,
+        settings: Callable[[], Any],
+        worker: Worker,
+        collisions: Collisions,
     ) -> None:
         self._robot, self._settings, self._worker = robot, settings, worker
+        self._collisions = collisions
         answer, group = answering(node, self._compute), ReentrantCallbackGroup()
-        serve(node, GetCartesianPath, "~/compute_cartesian_path", answer, callback_group=group)
+        serve(node, GetCartesianPath, "compute_cartesian_path", answer, callback_group=group)
 
     async def _compute(self, request: Any, response: Any) -> tuple[int, str]:
         settings = self._settings()
         question = await read_question(request, self._robot, settings)
         response.start_state.joint_state = self._robot.state(question.positions)
         response.start_state.is_diff = len(question.positions) < len(self._robot.joint_names)
-        solve = partial(_solved, question, settings)
-        plan, response.fraction, outcome = await self._worker.do(solve)
+        scene, notes = None, []
+        if request.avoid_collisions:
+            scene = (await self._collisions.of(question.chain, question.positions)).copy()
+            notes = [self._collisions.unchecked]
+        solve = partial(_solved, question, settings, scene)
+        plan, response.fraction, (code, text) = await self._worker.do(solve)
         if plan is not None:
             response.solution.joint_trajectory = self._trajectory(question, plan)
-        return outcome
+        return code, "; ".join(filter(None, (text, *notes)))
 
     def _trajectory(self, question: CartesianQuestion, plan: SampledPlan) -> Any:
         """Make the message of all joints of the group; those that are not on the way stand."""
@@ -101,12 +119,16 @@ class CartesianPathService:
 
 
 def _solved(
-    question: CartesianQuestion, settings: Any
+    question: CartesianQuestion, settings: Any, scene: PlanningScene | None
 ) -> tuple[SampledPlan | None, float, tuple[int, str]]:
-    """Lay the path, follow it as far as possible, and plan.
+    """Lay the path, follow it as far as possible, before any contact in a scene, and plan.
 
     Return the plan if there is one, the reached fraction of the waypoints, code and text.
     """
+    if scene is not None and not scene.is_free(question.start):
+        found = scene.clearance(question.start)
+        text = f"the start is in contact: {in_words(found.bodies, found.distance)}"
+        return None, 0.0, (int(MoveItErrorCodes.START_STATE_IN_COLLISION), text)
     with refused_as(MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS):
         start = forward_kinematics(question.chain, question.start)
         mask = _POSITION if settings.position_only_ik else None
@@ -120,7 +142,7 @@ def _solved(
             max_points=settings.max_points,
         )
         return standstill, 1.0, (int(MoveItErrorCodes.SUCCESS), "")
-    followed = _followed(question, path, mask)
+    followed = _followed(question, path, mask, scene)
     plan = plan_followed(
         followed,
         profile="time_optimal",
@@ -138,9 +160,12 @@ def _solved(
 
 
 def _followed(
-    question: CartesianQuestion, path: PosePath, task_mask: tuple[bool, ...] | None
+    question: CartesianQuestion,
+    path: PosePath,
+    task_mask: tuple[bool, ...] | None,
+    scene: PlanningScene | None,
 ) -> PathFollowingResult:
-    """Follow the path until joints jump, leave their limits, or a constraint breaks."""
+    """Follow the path until joints jump or leave their limits, a constraint breaks, or contact."""
     chain, step = question.chain, question.step
     checks = [relative_jump(chain, step, question.relative_jump)]
     if question.conditions:
@@ -150,10 +175,22 @@ def _followed(
             return question.conditions.broken({**question.positions, **dict(moved)})
 
         checks.append(stop_on_condition(broken, step))
+    if scene is not None:
+        checks.append(partial(_before_contact, scene))
     jumps = question.revolute_jump, question.prismatic_jump
     bounds = PathStopLimits(math.inf, step, *jumps, checks)
     with refused_as(MoveItErrorCodes.START_STATE_INVALID):
         return follow_path(chain, path, question.start, task_mask=task_mask, bounds=bounds)
+
+
+def _before_contact(scene: PlanningScene, joints: JointPath) -> PathCut | None:
+    """End a path shortly before the first contact on it, or where it cannot be proved free."""
+    found = scene.check_motion(joints)
+    if found.certified:
+        return None
+    first, second = found.bodies
+    text = f"'{first}' and '{second}' would touch"
+    return PathCut(max(found.parameter - _BEFORE, 0.0), PathTrackingStatus.REJECTED, text)
 
 
 def _speed_limits(question: CartesianQuestion, followed: PathFollowingResult) -> list[SpeedLimit]:

@@ -106,11 +106,10 @@ def _of_joint(what: str, message: Any, robot: WholeRobot, places: _Places) -> _C
     wanted = finite_number(f"{what}.position", message.position)
     above = _tolerance(f"{what}.tolerance_above", message.tolerance_above)
     below = _tolerance(f"{what}.tolerance_below", message.tolerance_below)
-    turns = any(j.name == name and j.type == "continuous" for j in robot.model.description.joints)
 
     def judge(positions: Positions) -> str:
         apart = positions[name] - wanted
-        if turns:
+        if name in robot.continuous:
             apart = math.remainder(apart, 2.0 * math.pi)
         if -below - _ROUNDING <= apart <= above + _ROUNDING:
             return ""

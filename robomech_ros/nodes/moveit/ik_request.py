@@ -10,12 +10,7 @@ from moveit_msgs.msg import MoveItErrorCodes
 from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.moveit.constraints import Conditions, frames_of
-from robomech_ros.nodes.moveit.serving import (
-    RejectedError,
-    chain_of,
-    refuse_collision_checks,
-    refused_as,
-)
+from robomech_ros.nodes.moveit.serving import RejectedError, chain_of, refused_as
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.robots import SerialChain
 from robomech_ros.typing import Array
@@ -76,7 +71,6 @@ async def read_ik_request(request: Any, robot: WholeRobot, patience: float) -> I
     links, wanted = _links_and_poses(request, len(robot.joint_names))
     chains = [chain_of(robot.model, request.group_name, link) for link in links]
     _check_apart(chains, robot)
-    refuse_collision_checks(request)
     frames = [pose.header.frame_id for pose in wanted]
     with refused_as(MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS):
         poses = [matrix_from_pose(pose.pose, "pose_stamped.pose") for pose in wanted]

@@ -11,18 +11,24 @@ from moveit_msgs.srv import GetPositionFK, GetPositionIK
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
+from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.nodes.common.cooperative_wait import TimeSlices
 from robomech_ros.nodes.common.pose_messages import stamped_pose
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.moveit.ik_request import IkRequest, IkTarget, read_ik_request
-from robomech_ros.nodes.moveit.serving import RejectedError, answering, refused_as
+from robomech_ros.nodes.moveit.serving import Collisions, RejectedError, answering, refused_as
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
 from robomech_ros.spatial import inverse_pose
 
 # Combinations of solutions of several links that are tried, so that nobody waits for all.
 _MOST_COMBINATIONS = 4096
+
+
+def _no_contact(positions: Positions) -> str:
+    """Answer for requests that do not ask about collisions."""
+    return ""
 
 
 class MoveItServices:
@@ -33,53 +39,58 @@ class MoveItServices:
     node : Node
         Gets the services under its own name.
     robot : WholeRobot
-    patience : callable
-        Gives the time (s) that a request waits for the present state.
-    check_size : callable
-        Raises where there is more of something than the node handles at once.
+    settings : callable
+        Gives the parameters of the node.
+    collisions : Collisions
+        What the robot may touch.
     """
 
     def __init__(
-        self,
-        node: Node,
-        robot: WholeRobot,
-        patience: Callable[[], float],
-        check_size: Callable[[str, int], None],
+        self, node: Node, robot: WholeRobot, settings: Callable[[], Any], collisions: Collisions
     ) -> None:
         self._node, self._robot = node, robot
-        self._patience, self._check_size = patience, check_size
+        self._settings, self._collisions = settings, collisions
         for kind, name, callback in (
-            (GetPositionIK, "~/compute_ik", self._compute_ik),
-            (GetPositionFK, "~/compute_fk", self._compute_fk),
+            (GetPositionIK, "compute_ik", self._compute_ik),
+            (GetPositionFK, "compute_fk", self._compute_fk),
         ):
             group = ReentrantCallbackGroup()
             serve(node, kind, name, answering(node, callback), callback_group=group)
 
     async def _compute_ik(self, request: Any, response: Any) -> tuple[int, str]:
-        question = await read_ik_request(request.ik_request, self._robot, self._patience())
-        results = [_solved(target, question) for target in question.targets]
+        patience = self._settings().state_timeout
+        question = await read_ik_request(request.ik_request, self._robot, patience)
+        avoiding = request.ik_request.avoid_collisions
+        contact = self._collisions.contact if avoiding else _no_contact
+        judged = avoiding or bool(question.conditions)
+        results = [_solved(target, question, judged) for target in question.targets]
         for target, result in zip(question.targets, results, strict=True):
             if not len(result):
                 which = f"link '{target.chain.tip}': " if len(results) > 1 else ""
                 late = result.status == Status.TIMED_OUT
                 code = MoveItErrorCodes.TIMED_OUT if late else MoveItErrorCodes.NO_IK_SOLUTION
                 return code, f"{which}{result.reason}"
-        positions, broken = _first_that_holds(question, results)
+        positions, broken = _first_that_holds(question, results, contact)
         if broken:
             return MoveItErrorCodes.NO_IK_SOLUTION, broken
         response.solution.joint_state = self._robot.state(positions)
         frame = self._robot.model.base_frame
         response.solution.multi_dof_joint_state.header.frame_id = frame
-        return MoveItErrorCodes.SUCCESS, "; ".join(filter(None, (r.reason for r in results)))
+        notes = [result.reason for result in results]
+        notes += [self._collisions.unchecked] if avoiding else []
+        return MoveItErrorCodes.SUCCESS, "; ".join(filter(None, notes))
 
     async def _compute_fk(self, request: Any, response: Any) -> tuple[int, str]:
         names = request.fk_link_names
         if not names:
             return MoveItErrorCodes.INVALID_LINK_NAME, "fk_link_names is empty"
         with refused_as(MoveItErrorCodes.FAILURE):
-            self._check_size("fk_link_names", len(names))
+            most = self._settings().max_links
+            if len(names) > most:
+                expected = f"at most {most}, the parameter max_links"
+                raise WrongSizeError("fk_link_names", len(names), expected)
         with refused_as(MoveItErrorCodes.INVALID_ROBOT_STATE):
-            frame, patience = request.header.frame_id, self._patience()
+            frame, patience = request.header.frame_id, self._settings().state_timeout
             place = (await self._robot.places([frame], patience))[frame]
             given = self._robot.read(request.robot_state)
             joints, faults = self._joints_to(dict.fromkeys(names))
@@ -111,13 +122,12 @@ class MoveItServices:
         return joints, faults
 
 
-def _solved(target: IkTarget, question: IkRequest) -> InverseKinematicsResult:
-    """Find the solution nearest to the seed, or all of them where conditions have to hold."""
+def _solved(target: IkTarget, question: IkRequest, judged: bool) -> InverseKinematicsResult:
+    """Find the solution nearest to the seed, or all of them if each is to be judged."""
     chain = target.chain
     seed = np.array([question.positions[name] for name in chain.joint_names])
     # A robot at its stop reports positions beyond it; the seed says where to be near to.
     inside = np.clip(seed, chain.lower, chain.upper)
-    judged = bool(question.conditions)
     return inverse_kinematics(
         chain,
         target.pose,
@@ -129,9 +139,11 @@ def _solved(target: IkTarget, question: IkRequest) -> InverseKinematicsResult:
 
 
 def _first_that_holds(
-    question: IkRequest, results: Sequence[InverseKinematicsResult]
+    question: IkRequest,
+    results: Sequence[InverseKinematicsResult],
+    contact: Callable[[Positions], str],
 ) -> tuple[Positions, str]:
-    """Find the nearest solutions that break no condition, as positions of all joints.
+    """Find the nearest solutions that break no condition and touch nothing, for all joints.
 
     Where all break one, the text says what the nearest of all breaks; else it is empty.
     """
@@ -140,13 +152,13 @@ def _first_that_holds(
     for ranks in _combinations([len(result) for result in results]):
         q = np.concatenate([result.q[rank] for result, rank in zip(results, ranks, strict=True)])
         positions = {**question.positions, **dict(zip(names, q.tolist(), strict=True))}
-        broken = question.conditions.broken(positions)
+        broken = question.conditions.broken(positions) or contact(positions)
         if not broken:
             return positions, ""
         first, count = first or broken, count + 1
     whole = count == math.prod(map(len, results)) and all(result.complete for result in results)
     found = f"all {count}" if whole else f"the {count} known"
-    return {}, f"{found} solutions break a constraint; the nearest: {first}"
+    return {}, f"{found} solutions break a constraint or touch something; the nearest: {first}"
 
 
 def _combinations(counts: Sequence[int]) -> list[tuple[int, ...]]:

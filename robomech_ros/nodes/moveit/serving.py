@@ -1,13 +1,14 @@
 """Common part of all services with MoveIt types: errors in MoveIt's codes, chains of groups."""
 
 import traceback
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import Awaitable, Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, Protocol
 
 from moveit_msgs.msg import MoveItErrorCodes
 from rclpy.node import Node
 
+from robomech_ros.collision import PlanningScene
 from robomech_ros.errors import RobomechError, UnknownLinkError
 from robomech_ros.nodes.common.error_codes import (
     FrameUnavailableError,
@@ -17,6 +18,21 @@ from robomech_ros.nodes.common.error_codes import (
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.robots import SerialChain
+
+
+class Collisions(Protocol):
+    """What answers ask about collisions."""
+
+    async def of(self, chain: SerialChain, positions: Mapping[str, float]) -> PlanningScene:
+        """Return the scene of a chain, the other joints of the robot at positions (rad or m)."""
+
+    def contact(self, positions: Mapping[str, float]) -> str:
+        """Say which bodies touch at positions (rad or m) of all joints; "" for none."""
+
+    @property
+    def unchecked(self) -> str:
+        """Say what of the robot is not checked; "" if all of it is."""
+
 
 _Callback = Callable[[Any, Any], Awaitable[Any]]
 # Errors that mean the same in every part of a request.
@@ -52,28 +68,57 @@ def refused_as(code: int) -> Iterator[None]:
         raise RejectedError(own, str(error)) from error
 
 
+class Outcomes:
+    """Turns what becomes of requests into MoveIt's codes, whatever happens.
+
+    Parameters
+    ----------
+    node : Node
+        The source of all answers.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._source = node.get_fully_qualified_name()
+        self._log = ThrottledLog(node.get_logger())
+
+    async def of(self, work: Awaitable[tuple[int, str]]) -> tuple[MoveItErrorCodes, bool]:
+        """Await work that returns one of MoveItErrorCodes and a text; an error is an outcome too.
+
+        Returns
+        -------
+        MoveItErrorCodes
+        bool
+            Whether the work came to its end, without an error.
+        """
+        ended = False
+        try:
+            code, text = await work
+            ended = True
+        except RobomechError as error:
+            code, text = getattr(error, "code", MoveItErrorCodes.FAILURE), str(error)
+        except Exception as error:
+            self._log.error(f"a request failed, please report this:\n{traceback.format_exc()}")
+            code = MoveItErrorCodes.FAILURE
+            text = f"internal error, please report it: {type(error).__name__}: {error}"
+        outcome = MoveItErrorCodes(val=int(code))
+        # Some versions have no texts.
+        if hasattr(outcome, "message"):
+            outcome.message, outcome.source = text, self._source
+        return outcome, ended
+
+
 def answering(node: Node, callback: _Callback) -> _Callback:
     """Let a callback answer whatever happens; the node goes on serving.
 
     The callback fills the response and returns one of MoveItErrorCodes and a text.
     """
-    source, log = node.get_fully_qualified_name(), ThrottledLog(node.get_logger())
+    outcomes = Outcomes(node)
 
     async def call(request: Any, response: Any) -> Any:
-        try:
-            code, text = await callback(request, response)
-        except RobomechError as error:
+        outcome, ended = await outcomes.of(callback(request, response))
+        if not ended:
             response = type(response)()
-            code, text = getattr(error, "code", MoveItErrorCodes.FAILURE), str(error)
-        except Exception as error:
-            response = type(response)()
-            log.error(f"{callback.__name__} failed, please report this:\n{traceback.format_exc()}")
-            code = MoveItErrorCodes.FAILURE
-            text = f"internal error, please report it: {type(error).__name__}: {error}"
-        response.error_code.val = int(code)
-        # Some versions have no texts.
-        if hasattr(response.error_code, "message"):
-            response.error_code.message, response.error_code.source = text, source
+        response.error_code = outcome
         return response
 
     return call
@@ -100,12 +145,3 @@ def chain_of(model: RobotModel, group: str, link: str) -> SerialChain:
             f"link '{link}' is not moved by any joint: it is fixed to '{chain.base}'",
         )
     return chain
-
-
-def refuse_collision_checks(request: Any) -> None:
-    """Refuse a request that wants collisions to be avoided."""
-    if request.avoid_collisions:
-        raise RejectedError(
-            MoveItErrorCodes.COLLISION_CHECKING_UNAVAILABLE,
-            "avoid_collisions is true, expected false: this node knows no collisions",
-        )

@@ -1,18 +1,16 @@
 """The whole robot in MoveIt's messages: a position for every joint, a pose for every link."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
-from moveit_msgs.msg import MoveItErrorCodes
 
 from robomech_ros.errors import BadValueError, UnknownJointError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.joint_messages import joint_state, values_by_name
 from robomech_ros.nodes.common.message_fields import finite_number
 from robomech_ros.nodes.frames.robot_frames import FrameAttachment, RobotFrames
-from robomech_ros.nodes.moveit.serving import RejectedError
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose
 from robomech_ros.typing import Array
@@ -30,14 +28,18 @@ class WholeRobot:
     ----------
     frames : RobotFrames
         Of the robot, with its present state.
+    attached : callable
+        Returns the attached objects of the planning scene by name.
     """
 
-    def __init__(self, frames: RobotFrames) -> None:
-        self._frames, self._monitor = frames, frames.monitor
+    def __init__(self, frames: RobotFrames, attached: Callable[[], Mapping[str, Any]]) -> None:
+        self._frames, self._monitor, self._attached = frames, frames.monitor, attached
         self.model = model = frames.model
         self._followers = {j.name for j in model.description.joints if j.mimic is not None}
         self.joint_names = [name for name in model.joint_names if name not in self._followers]
         limits = {joint.name: (joint.lower, joint.upper) for joint in model.description.joints}
+        #: Joints that turn without limits.
+        self.continuous = {j.name for j in model.description.joints if j.type == "continuous"}
         self._middle = {name: _middle(*limits[name]) for name in self.joint_names}
 
     def read(self, state: Any, what: str = "robot_state") -> dict[str, float]:
@@ -51,21 +53,16 @@ class WholeRobot:
 
         Raises
         ------
-        RejectedError
-            It contains objects that the robot carries.
+        BadValueError
+            It contains objects that the robot of the planning scene does not carry.
         UnknownJointError
             What it says of joints is not to be understood.
         """
-        if state.attached_collision_objects:
-            carried = ", ".join(
-                f"'{one.object.id[:50]}' on '{one.link_name[:50]}'"
-                for one in state.attached_collision_objects[:5]
-            )
-            raise RejectedError(
-                MoveItErrorCodes.COLLISION_CHECKING_UNAVAILABLE,
-                f"{what}.attached_collision_objects has {carried}, expected none: this node "
-                "knows no collisions",
-            )
+        for one in state.attached_collision_objects:
+            if one.object.id not in self._attached():
+                expected = "an object that is attached in the planning scene; attach it there"
+                name = f"{what}.attached_collision_objects: id"
+                raise BadValueError(name, one.object.id, expected)
         compound = state.multi_dof_joint_state
         for field in ("joint_names", "transforms", "twist", "wrench"):
             entries = getattr(compound, field)
@@ -107,7 +104,11 @@ class WholeRobot:
         missing = [name for name in needed if name not in given]
         if missing:
             await self._monitor.wait_for(missing, patience, tolerance, self.model.units)
-        return {**self._monitor.known_positions(self.joint_names), **given}
+        return {**self.known(), **given}
+
+    def known(self) -> dict[str, float]:
+        """Return the present positions (rad or m) of the joints that are known."""
+        return self._monitor.known_positions(self.joint_names)
 
     def with_defaults(self, positions: Positions) -> dict[str, float]:
         """Add the middle of its range for every joint whose position is not known."""

@@ -18,7 +18,16 @@ from robomech_ros.stop_signals import leave_on_signals
 # Node name to module, in the order in which they are started.
 _NODES = (
     *("joint_trajectory_controller", "kinematics", "dynamics", "trajectory_planner"),
-    *("trajectory_publisher", "servo", "calibration", "rvs", "mobile_base", "grasping", "walker"),
+    *(
+        "trajectory_publisher",
+        "move_group",
+        "servo",
+        "calibration",
+        "rvs",
+        "mobile_base",
+        "grasping",
+        "walker",
+    ),
 )
 NODE_MODULES = {node: f"robomech_ros.nodes.{node}.node" for node in _NODES}
 
@@ -66,6 +75,7 @@ dynamics_node = _entry("dynamics")
 trajectory_planner_node = _entry("trajectory_planner")
 trajectory_publisher_node = _entry("trajectory_publisher")
 joint_state_simulator_node = _entry("joint_trajectory_controller")
+move_group_node = _entry("move_group")
 servo_node = _entry("servo")
 calibration_node = _entry("calibration")
 rvs_node = _entry("rvs")

@@ -17,7 +17,7 @@ from robomech_ros.nodes.process.process_group import node_command
 from robomech_ros.robots import robot_folders
 
 # Options choose these nodes; a robot runs on when one of them ends.
-OPTIONAL_NODES = ("servo", "calibration", "rvs")
+OPTIONAL_NODES = ("servo", "calibration", "rvs", "move_group")
 
 # What the words that give a parameter begin with.
 _PARAMETER = ("-p", "--param")
@@ -48,6 +48,7 @@ class LaunchOptions:
     auto_execute: bool = False
     servo: bool = True
     calibration: bool = False
+    move_group: bool = False
     view: bool = False
     view_port: int | None = None
     view_host: str | None = None
@@ -60,7 +61,8 @@ class LaunchOptions:
         own = KIND_NODES.get(self.kind)
         if own is not None:
             return (*own.nodes, "rvs") if self.view else own.nodes
-        optional = dict(zip(OPTIONAL_NODES, (self.servo, self.calibration, self.view), strict=True))
+        chosen = (self.servo, self.calibration, self.view, self.move_group)
+        optional = dict(zip(OPTIONAL_NODES, chosen, strict=True))
         others = {node for kind in KIND_NODES.values() for node in kind.nodes} - {_SIMULATOR}
         return tuple(node for node in NODE_MODULES if optional.get(node, node not in others))
 
@@ -103,6 +105,8 @@ class LaunchOptions:
             simulated, texts = own.simulator, self._prefixes(own.frame_prefix)
         texts = {"robot_description": self._robot()} | texts
         texts["trajectory_planner:joint_limits"] = _absolute(self.joint_limits)
+        if self.move_group:
+            texts["move_group:joint_limits"] = _absolute(self.joint_limits)
         # Quoted: YAML would read a robot called 7 as a number.
         words = {name: json.dumps(text) for name, text in texts.items() if text}
         if self.rate is not None:

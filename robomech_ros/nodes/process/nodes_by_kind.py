@@ -50,7 +50,10 @@ class NodesOfKind:
 
 
 # What only arms have.
-_OF_ARMS = ("joint_limits", "srdf", "group", "base_link", "tip_link", "calibration", "auto_execute")
+_OF_ARMS = (
+    *("joint_limits", "srdf", "group", "base_link", "tip_link", "calibration", "auto_execute"),
+    "move_group",
+)
 
 
 def _loader(function: str) -> Callable[[str], object]:
@@ -87,6 +90,6 @@ KIND_NODES = {
 
 # What of the options of bringup parallel robots and each of these kinds have no use for.
 REFUSED = {
-    "parallel robots": ("joint_limits", "srdf", "group"),
+    "parallel robots": ("joint_limits", "srdf", "group", "move_group"),
     **{f"{one.called}s": one.refused for one in KIND_NODES.values()},
 }

@@ -16,11 +16,7 @@ from robomech_ros.errors import MissingLimitsError, RobomechError
 from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.error_codes import answer, guarded
-from robomech_ros.nodes.common.joint_limits import (
-    NoLimitsForPlanError,
-    read_joint_limits,
-    with_assumed_rates,
-)
+from robomech_ros.nodes.common.joint_limits import NoLimitsForPlanError, robot_limits
 from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.joint_positions import JointPositions, is_empty
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
@@ -29,7 +25,6 @@ from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.middleware.queue_depth import serve
-from robomech_ros.nodes.moveit.add_services import add_cartesian_path_service
 from robomech_ros.nodes.process.clean_pages import release_clean_pages
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.nodes.trajectory_planner.cartesian_messages import (
@@ -46,7 +41,6 @@ from robomech_ros.nodes.trajectory_planner.plan_messages import (
 )
 from robomech_ros.nodes.trajectory_planner.publication import PlanPublication
 from robomech_ros.nodes.trajectory_planner.settings import PlannerSettings
-from robomech_ros.robots import RobotDescription
 from robomech_ros.trajectory import PROFILES, nearest_turns, sampled_through_points
 from robomech_ros.typing import Array
 
@@ -68,22 +62,7 @@ class TrajectoryPlannerNode(Node):
         self._table = NodeParameters(self, PlannerSettings)
         self._monitor = JointStateMonitor(self)
         settings = self._table.settings
-        limits = read_joint_limits(settings.joint_limits) if settings.joint_limits else None
-        supplemented = limits.on if limits else None
-        completed = self._completed
-        when_robot_known(
-            self, settings, self._serve, supplemented, completed=completed, parallel=True
-        )
-
-    def _completed(self, robot: RobotDescription) -> RobotDescription:
-        """Assume limits that nobody gave, where the parameter says so."""
-        if not self._table.settings.assume_limits:
-            return robot
-        completed, notice, file = with_assumed_rates(robot)
-        if notice:
-            more = "to set your own, edit this file and pass it with --joint-limits FILE"
-            self.get_logger().warning(f"{notice}; {more}:\n{file}")
-        return completed
+        when_robot_known(self, settings, self._serve, parallel=True, **robot_limits(self, settings))
 
     def _serve(self, model: RobotModel) -> None:
         self._joints = JointPositions(model, self._monitor)
@@ -99,14 +78,8 @@ class TrajectoryPlannerNode(Node):
             (PlanCartesian, "~/plan_cartesian", self._plan_cartesian),
         ):
             serve(self, kind, name, callback, callback_group=ReentrantCallbackGroup())
-        moveit = add_cartesian_path_service(
-            self, self._frames, lambda: self._table.settings, self._worker
-        )
         count = len(self._limits.joint_names)
-        self.get_logger().info(
-            f"ready: {model.chain.name}, {count} joints, profiles: {OFFERED}"
-            f"{', compute_cartesian_path' if moveit else ''}"
-        )
+        self.get_logger().info(f"ready: {model.chain.name}, {count} joints, profiles: {OFFERED}")
         self._warm_up()
 
     def stop(self) -> None:

@@ -17,7 +17,8 @@ from robomech_ros.nodes.common.message_fields import (
     floats,
     seconds_from_duration,
 )
-from robomech_ros.nodes.trajectory_planner.settings import SHORTEST_PERIOD, PlannerSettings
+from robomech_ros.nodes.common.plan_settings import SHORTEST_PERIOD
+from robomech_ros.nodes.trajectory_planner.settings import PlannerSettings
 from robomech_ros.trajectory import VIA_PROFILES, Limits, SampledPlan, Waypoints
 from robomech_ros.trajectory.plans.fitting_plan import check_duration
 from robomech_ros.trajectory.plans.point_to_point import both_within

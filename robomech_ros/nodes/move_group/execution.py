@@ -1,0 +1,130 @@
+"""Execution of trajectories by the controller, for MoveIt's clients."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from action_msgs.msg import GoalStatus
+from moveit_msgs.msg import MoveItErrorCodes
+from rclpy.node import Node
+from rclpy.task import Future
+from std_msgs.msg import String
+
+from robomech_ros.nodes.common.cooperative_wait import pause
+from robomech_ros.nodes.middleware.queue_depth import ask_action
+from robomech_ros.nodes.move_group.settings import MoveGroupSettings
+from robomech_ros.nodes.moveit.serving import RejectedError
+from robomech_ros.nodes.moveit.whole_robot import WholeRobot
+from robomech_ros.nodes.trajectory_publisher.follow_goals import FollowGoals
+from robomech_ros.nodes.trajectory_publisher.goals import AskedTolerances
+from robomech_ros.outcomes import Code
+
+_CONTROL_FAILED = MoveItErrorCodes.CONTROL_FAILED
+# Codes of the controller that mean more to MoveIt than that control failed.
+_CODES: dict[int, int] = {
+    Code.NONE: MoveItErrorCodes.SUCCESS,
+    Code.PREEMPTED: MoveItErrorCodes.PREEMPTED,
+}
+
+
+class Execution:
+    """Sends trajectories to the controller, and stops them.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the client and of the topic trajectory_execution_event.
+    robot : WholeRobot
+    settings : callable
+        Gives the parameters of the node.
+    """
+
+    def __init__(
+        self, node: Node, robot: WholeRobot, settings: Callable[[], MoveGroupSettings]
+    ) -> None:
+        self._node, self._robot, self._settings = node, robot, settings
+        self._goals = FollowGoals()
+        self._controller = settings().controller
+        self._client = ask_action(node, FollowGoals.kind, f"{self._controller}/{FollowGoals.name}")
+        self._stops = 0
+        node.create_subscription(String, "trajectory_execution_event", self._take_event, 10)
+
+    async def run(self, trajectory: Any, cancelled: Callable[[], bool]) -> tuple[int, str]:
+        """Execute a JointTrajectory to its end.
+
+        Parameters
+        ----------
+        trajectory : JointTrajectory
+        cancelled : callable
+            Whether the client has cancelled its goal.
+
+        Returns
+        -------
+        tuple of int and str
+            One of MoveItErrorCodes, and why.
+
+        Raises
+        ------
+        RejectedError
+            The controller is missing, or the robot is not at the start.
+        """
+        if not trajectory.points:
+            return MoveItErrorCodes.SUCCESS, "the trajectory is empty"
+        self._check_start(trajectory)
+        if not self._client.server_is_ready():
+            reason = f"the controller '{self._controller}' does not serve {FollowGoals.name}"
+            raise RejectedError(_CONTROL_FAILED, f"{reason}; start it, or set controller")
+        stops, asked = self._stops, False
+        handle = await self._awaited(
+            self._client.send_goal_async(self._goals.goal(trajectory, AskedTolerances()))
+        )
+        if not handle.accepted:
+            raise RejectedError(_CONTROL_FAILED, "the controller rejected the trajectory")
+
+        def stop_if_asked() -> None:
+            nonlocal asked
+            if not asked and (cancelled() or self._stops != stops):
+                asked = True
+                handle.cancel_goal_async()
+
+        ended = await self._awaited(handle.get_result_async(), stop_if_asked)
+        if ended.status == GoalStatus.STATUS_UNKNOWN:
+            raise RejectedError(_CONTROL_FAILED, "the controller does not know the goal any more")
+        code, text = self._goals.verdict(ended.status, ended.result, True)
+        if asked and code == Code.PREEMPTED:
+            by = "the client" if cancelled() else "trajectory_execution_event"
+            text = f"stopped by {by}; the robot stands on its path"
+        return _CODES.get(code, _CONTROL_FAILED), text
+
+    async def _awaited(self, future: Future, look: Callable[[], object] = bool) -> Any:
+        """Return the controller's answer; looks around while it is waited for."""
+        while not future.done():
+            if not self._client.server_is_ready():
+                raise RejectedError(_CONTROL_FAILED, f"the controller '{self._controller}' is gone")
+            look()
+            await pause(self._node)
+        return future.result()
+
+    def _check_start(self, trajectory: Any) -> None:
+        """Refuse a trajectory that begins somewhere else than the robot is."""
+        first, most = trajectory.points[0], self._settings().start_tolerance
+        if first.time_from_start.sec or first.time_from_start.nanosec:
+            return
+        known, turning = self._robot.known(), self._robot.continuous
+        for name, wanted in zip(trajectory.joint_names, first.positions, strict=False):
+            if name not in known:
+                continue
+            apart = known[name] - wanted
+            if name in turning:
+                apart = math.remainder(apart, math.tau)
+            if not abs(apart) <= most:
+                unit = self._robot.model.units[name]
+                raise RejectedError(
+                    MoveItErrorCodes.INVALID_MOTION_PLAN,
+                    f"the trajectory starts with '{name}' at {wanted:.6g} {unit}, {abs(apart):.3g} "
+                    f"{unit} from where it is; up to {most:g} is allowed by start_tolerance",
+                )
+
+    def _take_event(self, message: Any) -> None:
+        if message.data == "stop":
+            self._stops += 1

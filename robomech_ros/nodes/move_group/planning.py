@@ -1,0 +1,273 @@
+"""Motions to a goal around obstacles, as MoveIt's clients ask for them."""
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from moveit_msgs.msg import DisplayTrajectory, MoveItErrorCodes, RobotState, RobotTrajectory
+from rclpy.node import Node
+from trajectory_msgs.msg import JointTrajectory
+
+from robomech_ros.collision import PlanningScene, PlanStatus, timed_path
+from robomech_ros.collision.planning import PlanRequest, plan_path
+from robomech_ros.errors import MissingLimitsError
+from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
+from robomech_ros.nodes.common.cooperative_wait import Worker, pause
+from robomech_ros.nodes.common.joint_limits import NoLimitsForPlanError
+from robomech_ros.nodes.common.joint_messages import joint_trajectory
+from robomech_ros.nodes.move_group.scenes import Scenes
+from robomech_ros.nodes.move_group.settings import MoveGroupSettings
+from robomech_ros.nodes.moveit.motion_request import (
+    MotionGoal,
+    MotionRequest,
+    PoseTarget,
+    read_motion_request,
+)
+from robomech_ros.nodes.moveit.serving import RejectedError, refused_as
+from robomech_ros.nodes.moveit.whole_robot import WholeRobot
+from robomech_ros.robots import SerialChain
+from robomech_ros.trajectory import Limits
+from robomech_ros.typing import Array
+
+_CODES = {
+    PlanStatus.START_IN_CONTACT: MoveItErrorCodes.START_STATE_IN_COLLISION,
+    PlanStatus.GOAL_IN_CONTACT: MoveItErrorCodes.GOAL_IN_COLLISION,
+    PlanStatus.NO_POSTURE: MoveItErrorCodes.NO_IK_SOLUTION,
+    PlanStatus.NO_PATH: MoveItErrorCodes.TIMED_OUT,
+}
+_FULL_POSE = 6
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedMotion:
+    """A motion in messages.
+
+    Attributes
+    ----------
+    start : RobotState
+        Of the whole robot.
+    trajectory : RobotTrajectory
+    seconds : float
+        How long planning took.
+    note : str
+        What is special about it; else empty.
+    """
+
+    start: Any
+    trajectory: Any
+    seconds: float
+    note: str
+
+
+class MotionPlanning:
+    """Plans the motions of all requests, one after the other, beside the executor.
+
+    Parameters
+    ----------
+    node : Node
+        Owner of the topic display_planned_path.
+    robot : WholeRobot
+    scenes : Scenes
+    worker : Worker
+    settings : callable
+        Gives the parameters of the node.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        robot: WholeRobot,
+        scenes: Scenes,
+        worker: Worker,
+        settings: Callable[[], MoveGroupSettings],
+    ) -> None:
+        self._node, self._robot, self._scenes = node, robot, scenes
+        self._worker, self._settings = worker, settings
+        self._ends = ""
+        self._display = node.create_publisher(DisplayTrajectory, "display_planned_path", 10)
+
+    def give_up(self, reason: str) -> None:
+        """Refuse all that waits for a plan."""
+        self._ends = reason
+
+    async def plan(self, request: Any, cancelled: Callable[[], bool] = bool) -> PlannedMotion:
+        """Plan the motion of a MotionPlanRequest.
+
+        Parameters
+        ----------
+        request : MotionPlanRequest
+        cancelled : callable
+            Whether the client has cancelled its goal.
+
+        Raises
+        ------
+        RejectedError
+            There is no such motion; the code and the text say why.
+        """
+        settings = self._settings()
+        question = await read_motion_request(request, self._robot, settings)
+        scene = await self._scenes.of(question.chain, question.positions)
+        work = partial(_planned, question, scene.copy(), settings, cancelled)
+        done = self._worker.begin(work)
+        while not done.done():
+            if self._ends:
+                raise RejectedError(MoveItErrorCodes.ABORT, self._ends)
+            if cancelled():
+                raise RejectedError(MoveItErrorCodes.PREEMPTED, "cancelled while it was planned")
+            await pause(self._node)
+        message, seconds, note = done.result()
+        message.header.frame_id = self._robot.model.base_frame
+        trajectory = RobotTrajectory(joint_trajectory=message)
+        start = RobotState(joint_state=self._robot.state(question.positions))
+        self._display.publish(
+            DisplayTrajectory(
+                model_id=self._robot.model.description.name,
+                trajectory=[trajectory],
+                trajectory_start=start,
+            )
+        )
+        notes = filter(None, (note, self._scenes.unchecked))
+        return PlannedMotion(start, trajectory, seconds, "; ".join(notes))
+
+
+def _planned(
+    question: MotionRequest,
+    scene: PlanningScene,
+    settings: MoveGroupSettings,
+    cancelled: Callable[[], bool],
+) -> tuple[JointTrajectory, float, str]:
+    """Plan in the worker's thread; return the trajectory, the time it took (s), and a note."""
+    chain, begin = question.chain, time.monotonic()
+    start = _at_limits(chain, question.start, settings.start_tolerance)
+    goals = _postures(question, start)
+    planner = question.planner or settings.planner
+    request = PlanRequest(question.time, settings.seed, settings.clearance, planner, cancelled)
+    with refused_as(MoveItErrorCodes.START_STATE_INVALID):
+        found = plan_path(scene, start, goals, request)
+    if found.status is not PlanStatus.SOLVED:
+        raise RejectedError(_CODES[found.status], found.reason)
+    limits = Limits.of(chain)
+    scales = {
+        "velocity_scale": question.velocity_scale,
+        "acceleration_scale": question.acceleration_scale,
+    }
+    try:
+        curve = timed_path(scene, found.waypoints, limits, **scales)
+    except MissingLimitsError as error:
+        raise NoLimitsForPlanError(error) from None
+    message = _message(question, curve, settings)
+    return message, time.monotonic() - begin, found.reason
+
+
+def _at_limits(chain: SerialChain, q: Array, most: float) -> Array:
+    """Return the posture (n,) of a robot that stands a little beyond its limits, inside them."""
+    inside = np.clip(q, chain.lower, chain.upper)
+    return inside if np.max(np.abs(inside - q), initial=0.0) <= most else q
+
+
+def _postures(question: MotionRequest, start: Array) -> Array:
+    """Find all postures (k, n) that reach one of the goals (rad or m).
+
+    Raises
+    ------
+    RejectedError
+        There is none.
+    """
+    rows, reasons, codes = [], [], []
+    for i, goal in enumerate(question.goals):
+        what = f"goal_constraints[{i}]: " if len(question.goals) > 1 else ""
+        if goal.target is None:
+            found, reason, code = _of_joints(goal, question.chain, start)
+        else:
+            found, reason, code = _of_pose(goal.target, question.chain, start)
+        for q in found:
+            at = dict(zip(question.chain.joint_names, q.tolist(), strict=True))
+            broken = goal.conditions.broken({**question.positions, **at})
+            if broken:
+                reason, code = reason or broken, MoveItErrorCodes.GOAL_CONSTRAINTS_VIOLATED
+            else:
+                rows.append(q)
+        reasons.append(f"{what}{reason}")
+        codes.append(code)
+    if not rows:
+        raise RejectedError(codes[0], "; ".join(reasons))
+    return np.array(rows)
+
+
+def _of_joints(goal: MotionGoal, chain: SerialChain, start: Array) -> tuple[list[Array], str, int]:
+    """Return the posture that a goal names; joints that it does not name stay where they are."""
+    code = int(MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS)
+    if not goal.joints:
+        return [], "there are no constraints, expected joints, a position or an orientation", code
+    wanted = [
+        goal.joints.get(name, now) for name, now in zip(chain.joint_names, start, strict=True)
+    ]
+    q = np.array(wanted)
+    inside = np.clip(q, chain.lower, chain.upper)
+    worst = int(np.argmax(np.abs(inside - q)))
+    name, unit = chain.joint_names[worst], chain.units[worst]
+    reason = (
+        f"joint '{name}' is to go to {q[worst]:.6g} {unit}, expected {chain.lower[worst]:.6g} to "
+        f"{chain.upper[worst]:.6g} {unit}"
+    )
+    return [inside], reason if inside[worst] != q[worst] else "", code
+
+
+def _of_pose(target: PoseTarget, chain: SerialChain, start: Array) -> tuple[list[Array], str, int]:
+    """Return all postures that bring a link to a pose, in all windings of its joints."""
+    own = target.chain
+    index = [chain.joint_names.index(name) for name in own.joint_names]
+    options: dict[str, Any] = {}
+    if not all(target.task_mask):
+        options["task_mask"] = target.task_mask
+    if own.n < _FULL_POSE:
+        # Such an arm reaches few poses exactly.
+        tolerances = {
+            "position_tolerance": target.position_tolerance,
+            "orientation_tolerance": target.orientation_tolerance,
+        }
+        options |= {name: value for name, value in tolerances.items() if value > 0.0}
+    result = inverse_kinematics(
+        own, target.pose, seed=start[index], include_windings=True, **options
+    )
+    rows = np.tile(start, (len(result), 1))
+    rows[:, index] = result.q
+    return list(rows), result.reason, int(MoveItErrorCodes.NO_IK_SOLUTION)
+
+
+def _message(question: MotionRequest, curve: Any, settings: MoveGroupSettings) -> JointTrajectory:
+    """Sample a timed curve; slower, if a link would be too fast."""
+    count = math.ceil(curve.duration / settings.sample_period)
+    times = np.linspace(0.0, curve.duration, min(max(count, 1) + 1, settings.max_points))
+    sample = curve.sample(times)
+    slower = _slower(question, times, sample.position)
+    if slower * curve.duration > settings.max_duration:
+        reason = f"the motion takes {slower * curve.duration:.6g} s"
+        text = f"{reason}, up to {settings.max_duration:g} s are allowed by max_duration"
+        raise RejectedError(MoveItErrorCodes.PLANNING_FAILED, text)
+    return joint_trajectory(
+        question.chain.joint_names,
+        times * slower,
+        sample.position,
+        sample.velocity / slower,
+        sample.acceleration / slower**2,
+    )
+
+
+def _slower(question: MotionRequest, times: Array, q: Array) -> float:
+    """Return by which factor a motion q (m, n) must take longer for the link to keep its speed."""
+    if math.isinf(question.speed) or times[-1] == 0.0:
+        return 1.0
+    names = question.chain.joint_names
+    moving = dict(zip(names, q.T, strict=True))
+    rows = [
+        moving.get(name, np.full(len(q), question.positions[name]))
+        for name in question.limited.joint_names
+    ]
+    places = forward_kinematics(question.limited, np.stack(rows, axis=-1))[:, :3, 3]
+    speeds = np.linalg.norm(np.diff(places, axis=0), axis=1) / np.diff(times)
+    return max(1.0, float(speeds.max()) / question.speed)

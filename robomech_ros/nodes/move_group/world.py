@@ -1,0 +1,261 @@
+"""The planning scene of the node: objects, attached objects, and pairs that may touch."""
+
+from collections.abc import Callable, Container, Iterable, Mapping
+from copy import copy
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from moveit_msgs.msg import CollisionObject
+from std_msgs.msg import Header
+
+from robomech_ros.errors import BadValueError, UnknownLinkError, WrongSizeError
+from robomech_ros.nodes.common.pose_messages import pose_from_matrix
+from robomech_ros.nodes.move_group.shape_messages import (
+    PlacedShape,
+    append_shapes,
+    has_shapes,
+    pose_of,
+    shapes_of,
+)
+from robomech_ros.spatial import inverse_pose
+from robomech_ros.typing import Array
+
+_NAMES = ("ADD", "REMOVE", "APPEND", "MOVE")
+_ADD, _REMOVE, _APPEND, _MOVE = (getattr(CollisionObject, name) for name in _NAMES)
+# Names that an error lists.
+_MOST_LISTED = 20
+# Frame or link to its present pose in the base, (4, 4) (m).
+Poses = Mapping[str, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class SceneObject:
+    """An object of the planning scene.
+
+    Attributes
+    ----------
+    message : CollisionObject
+        As it was given, with its pose in the base, or in the link that carries it.
+    shapes : tuple of (Shape, ndarray)
+        Shapes of the library, and their poses in the object, shape (4, 4) (m).
+    pose : ndarray, shape (4, 4)
+        Pose in the base, or in the link (m).
+    link : str
+        The link that carries it; empty for none.
+    touch_links : tuple of str
+        Further links that may touch it.
+    weight : float
+        Its mass (kg); 0 if it is not known.
+    """
+
+    message: Any
+    shapes: tuple[PlacedShape, ...]
+    pose: Array
+    link: str = ""
+    touch_links: tuple[str, ...] = ()
+    weight: float = 0.0
+
+    def at(self, pose: Array, frame: str, link: str = "") -> "SceneObject":
+        """Return the object at another pose (4, 4) (m) in a frame, carried by a link or by none."""
+        message = copy(self.message)
+        message.header, message.operation = Header(frame_id=frame), _ADD
+        message.pose = pose_from_matrix(pose)
+        return SceneObject(message, self.shapes, pose, link)
+
+
+@dataclass
+class World:
+    """The planning scene, as clients have made it.
+
+    Attributes
+    ----------
+    base_frame : str
+        The frame of the base, as messages name it.
+    links : tuple of str
+        All links of the robot.
+    link_of : callable
+        Returns the link of a frame.
+    objects : dict
+        Objects by name.
+    allowed : dict
+        Whether the two bodies of a pair may touch, for the pairs that a client has decided.
+    defaults : dict
+        The same for all pairs of one body.
+    colors : dict
+        Colours of objects, as messages.
+    """
+
+    base_frame: str
+    links: tuple[str, ...]
+    link_of: Callable[[str], str]
+    objects: dict[str, SceneObject] = field(default_factory=dict)
+    allowed: dict[frozenset[str], bool] = field(default_factory=dict)
+    defaults: dict[str, bool] = field(default_factory=dict)
+    colors: dict[str, Any] = field(default_factory=dict)
+
+    def copy(self, empty: bool = False) -> "World":
+        """Return a copy that may be changed, or an empty scene of the same robot."""
+        names = ("objects", "allowed", "defaults", "colors")
+        return replace(self, **{n: {} if empty else dict(getattr(self, n)) for n in names})
+
+    @property
+    def standing(self) -> dict[str, SceneObject]:
+        """The objects that no link carries."""
+        return {name: one for name, one in self.objects.items() if not one.link}
+
+    @property
+    def attached(self) -> dict[str, SceneObject]:
+        """The objects that links carry."""
+        return {name: one for name, one in self.objects.items() if one.link}
+
+    def apply_object(self, message: Any, poses: Poses, attached: Iterable[str] = ()) -> None:
+        """Add, remove, extend or move an object.
+
+        Parameters
+        ----------
+        message : CollisionObject
+        poses : mapping
+            Where its frame is.
+        attached : iterable of str
+            Objects that the same scene attaches: their removal from the world changes nothing.
+
+        Raises
+        ------
+        RobomechError
+            A part of the message is invalid, or there is no such object.
+        """
+        name, operation, standing = message.id, message.operation, self.standing
+        if operation == _REMOVE:
+            if name and name not in standing and name not in attached:
+                raise BadValueError("id", name, _one_of(standing))
+            for one in [name] if name else standing:
+                if one in standing:
+                    del self.objects[one]
+            return
+        self._check_operation(operation, (_ADD, _APPEND, _MOVE))
+        if not name or name in self.links:
+            raise BadValueError("id", name, "a name that no link has")
+        if operation != _ADD and name not in standing:
+            raise BadValueError("id", name, _one_of(standing))
+        pose = poses[message.header.frame_id] @ pose_of(message.pose, "pose")
+        if operation == _MOVE:
+            self.objects[name] = standing[name].at(pose, self.base_frame)
+        else:
+            one = _object(message, pose, standing[name] if operation == _APPEND else None)
+            self.objects[name] = one.at(one.pose, self.base_frame)
+
+    def apply_attached(self, message: Any, poses: Poses) -> None:
+        """Attach an object to a link, or detach it.
+
+        Parameters
+        ----------
+        message : AttachedCollisionObject
+        poses : mapping
+            Where its frame is, the link, and all links that carry objects.
+
+        Raises
+        ------
+        RobomechError
+            A part of the message is invalid, or there is no such object or link.
+        """
+        given, name = message.object, message.object.id
+        if given.operation == _REMOVE:
+            self._detach(name, self.link_of(message.link_name), poses)
+            return
+        self._check_operation(given.operation, (_ADD, _APPEND))
+        link = self._link(message.link_name)
+        touching = tuple(map(self._link, message.touch_links))
+        known = self.objects.get(name)
+        if has_shapes(given):
+            pose = pose_of(given.pose, "pose")
+            if self.link_of(given.header.frame_id) != link:
+                pose = inverse_pose(poses[link]) @ poses[given.header.frame_id] @ pose
+            extended = given.operation == _APPEND and known is not None and known.link == link
+            one = _object(given, pose, known if extended else None)
+        elif known is None:
+            raise BadValueError("id", name, f"{_one_of(self.objects)}, or a shape")
+        else:
+            one = known
+            if known.link != link:
+                in_base = poses[known.link] @ known.pose if known.link else known.pose
+                one = replace(known, pose=inverse_pose(poses[link]) @ in_base)
+        attached = one.at(one.pose, link, link)
+        self.objects[name] = replace(attached, touch_links=touching, weight=message.weight)
+
+    def allow(self, matrix: Any, ignored: Container[frozenset[str]]) -> None:
+        """Take from an AllowedCollisionMatrix what differs from the scene as it is.
+
+        A client sends back the whole matrix that it has read. Entries that only repeat the scene
+        decide nothing: a pair that cannot touch now may be able to later.
+
+        Parameters
+        ----------
+        matrix : AllowedCollisionMatrix
+        ignored : container of frozenset
+            Pairs of bodies that are not checked now.
+
+        Raises
+        ------
+        WrongSizeError
+            It is no square matrix of its names.
+        """
+        names, rows = matrix.entry_names, matrix.entry_values
+        sizes = [len(rows), *(len(row.enabled) for row in rows)]
+        wrong = next((size for size in sizes if size != len(names)), None)
+        if wrong is not None:
+            raise WrongSizeError("entry_values", wrong, f"{len(names)} in both directions")
+        for row, one in zip(rows, names, strict=True):
+            for may, other in zip(row.enabled, names, strict=True):
+                pair = frozenset((one, other))
+                if one != other and may != (pair in ignored):
+                    self.allowed[pair] = bool(may)
+        defaults, values = matrix.default_entry_names, matrix.default_entry_values
+        if len(defaults) != len(values):
+            raise WrongSizeError("default_entry_values", len(values), len(defaults))
+        self.defaults |= dict(zip(defaults, map(bool, values), strict=True))
+
+    def may_touch(self, one: str, other: str, otherwise: bool) -> bool:
+        """Whether two bodies may touch; `otherwise` is the answer if no client has decided it."""
+        decided = self.allowed.get(frozenset((one, other)))
+        if decided is not None:
+            return decided
+        known = [self.defaults[name] for name in (one, other) if name in self.defaults]
+        return all(known) if known else otherwise
+
+    def _check_operation(self, operation: bytes, known: Iterable[bytes]) -> None:
+        if operation not in known:
+            words = [name for name in _NAMES if getattr(CollisionObject, name) in known]
+            raise BadValueError("operation", operation, f"{', '.join(words)} or REMOVE")
+
+    def _link(self, frame: str) -> str:
+        link = self.link_of(frame)
+        if link not in self.links:
+            raise UnknownLinkError(link, self.links)
+        return link
+
+    def _detach(self, name: str, link: str, poses: Poses) -> None:
+        """Put objects that are attached to a link, "" being any, back into the world."""
+        chosen = {n: one for n, one in self.attached.items() if link in ("", one.link)}
+        if name and name not in chosen:
+            raise BadValueError("id", name, _one_of(chosen))
+        for own in [name] if name else chosen:
+            one = chosen[own]
+            self.objects[own] = one.at(poses[one.link] @ one.pose, self.base_frame)
+
+
+def _object(message: Any, pose: Array, known: SceneObject | None) -> SceneObject:
+    """Read an object at a pose (4, 4) (m), or add its shapes to a known one."""
+    shapes = shapes_of(message)
+    if not shapes:
+        raise BadValueError("shapes", [], "a primitive, a mesh or a plane")
+    if known is None:
+        return SceneObject(message, tuple(shapes), pose)
+    extended, between = copy(known.message), inverse_pose(known.pose) @ pose
+    append_shapes(extended, message, between)
+    moved = [(shape, between @ own) for shape, own in shapes]
+    return SceneObject(extended, (*known.shapes, *moved), known.pose)
+
+
+def _one_of(names: Iterable[str]) -> str:
+    listed = ", ".join(f"'{name}'" for name in list(names)[:_MOST_LISTED])
+    return f"one of {listed}" if listed else "none: there are no such objects"
