@@ -38,7 +38,9 @@ def test_home_of_an_srdf_is_reached_by_its_name_and_each_group_has_its_own_joint
     suite, bringup, outsider, files
 ):
     urdf, srdf = files
-    with bringup("--robot", urdf, "--srdf", srdf, "--group", "right_arm", "--no-servo"):
+    with bringup(
+        "--robot", urdf, "--srdf", srdf, "--group", "right_arm", "--no-servo", "--move-group"
+    ):
         outsider.wait_for_joints(near(HOME))
         plan_and_arrive(outsider, {name: place + 0.2 for name, place in HOME.items()})
         answer = suite.call("trajectory_planner/plan_joint", {"goal": {"name": ["home"]}})
@@ -66,7 +68,7 @@ def check_group(outsider, side):
         pose_stamped=stamped_pose(pose, "right_base"),
     )
     kind = GetPositionIK
-    response = outsider.call(kind, "kinematics/compute_ik", kind.Request(ik_request=request))
+    response = outsider.call(kind, "compute_ik", kind.Request(ik_request=request))
     assert response.error_code.val == MoveItErrorCodes.SUCCESS, response.error_code.message
     found = response.solution.joint_state
     assert dict(zip(found.name, found.position, strict=True)) == pytest.approx(wanted, abs=1e-7)

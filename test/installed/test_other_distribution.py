@@ -34,20 +34,20 @@ def moveit_back_and_forth(client):
     names = ["waist", "shoulder", "elbow", "wrist_roll", "wrist_bend", "wrist_swivel"]
     state = {"joint_state": {"name": names, "position": Q}}
     request = {"fk_link_names": ["tool0"], "robot_state": state}
-    answer = client.call("kinematics/compute_fk", request)
+    answer = client.call("compute_fk", request)
     assert answer["error_code"]["val"] == 1, answer["error_code"]
     pose = answer["pose_stamped"][0]
     state["joint_state"]["position"] = [angle + 0.1 for angle in Q]
     request = {"robot_state": state, "pose_stamped": pose, "timeout": {"nanosec": 500_000_000}}
-    answer = client.call("kinematics/compute_ik", {"ik_request": request})
+    answer = client.call("compute_ik", {"ik_request": request})
     assert answer["error_code"]["val"] == 1, answer["error_code"]
     solution = answer["solution"]["joint_state"]
     assert solution["name"] == names
     assert solution["position"] == pytest.approx(Q, abs=1e-9)
     request["avoid_collisions"] = True
-    answer = client.call("kinematics/compute_ik", {"ik_request": request})
-    assert answer["error_code"]["val"] == -22
-    assert "avoid_collisions" in answer["error_code"]["message"]
+    answer = client.call("compute_ik", {"ik_request": request})
+    assert answer["error_code"]["val"] == 1
+    assert "no collisions were checked" in answer["error_code"]["message"]
 
 
 def test_every_interface_has_its_type_support(other_suite, repository, output_of):
@@ -63,12 +63,12 @@ def test_inverse_kinematics_between_two_processes(other_suite):
 
 
 def test_a_client_there_is_answered_by_a_node_here(suite, other_suite):
-    with suite.node("kinematics_node", *ROBOT):
+    with suite.node("kinematics_node", *ROBOT), suite.node("move_group_node", *ROBOT):
         solve_back_and_forth(other_suite)
         moveit_back_and_forth(other_suite)
 
 
 def test_a_client_here_is_answered_by_a_node_there(suite, other_suite):
-    with other_suite.node("kinematics_node", *ROBOT):
+    with other_suite.node("kinematics_node", *ROBOT), other_suite.node("move_group_node", *ROBOT):
         solve_back_and_forth(suite)
         moveit_back_and_forth(suite)

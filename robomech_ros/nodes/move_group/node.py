@@ -1,7 +1,7 @@
 """The node that stands in for MoveIt's move_group."""
 
 from collections.abc import Sequence
-from importlib.util import find_spec
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from rclpy.node import Node
@@ -44,10 +44,12 @@ class MoveGroupNode(Node):
     SETTINGS = MoveGroupSettings
 
     def __init__(self, **options: Any) -> None:
-        super().__init__("move_group", **options)
         for package in _PACKAGES:
-            if find_spec(package) is None:
-                raise MissingMessagesError(package)
+            try:
+                import_module(package)
+            except ImportError:
+                raise MissingMessagesError(package) from None
+        super().__init__("move_group", **options)
         self._planning: MotionPlanning | None = None
         self._motions: MotionServices | None = None
         # Plans take seconds.

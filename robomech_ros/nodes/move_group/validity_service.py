@@ -75,10 +75,9 @@ class ValidityService:
         broken = [bool(one.broken(positions)) for one in conditions]
         response.constraint_result = [ConstraintEvalResult(result=not one) for one in broken]
         found = self._scenes.nearest(positions)
-        contact = found is not None and found.distance <= 0.0
-        if contact:
+        if found is not None and found.distance <= 0.0:
             response.contacts = [self._contact(found)]
-        response.valid = not contact and not any(broken)
+        response.valid = not response.contacts and not any(broken)
 
     def _contact(self, found: Clearance) -> ContactInformation:
         contact = ContactInformation(depth=-float(found.distance))

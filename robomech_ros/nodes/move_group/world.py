@@ -95,8 +95,11 @@ class World:
 
     def copy(self, empty: bool = False) -> "World":
         """Return a copy that may be changed, or an empty scene of the same robot."""
-        names = ("objects", "allowed", "defaults", "colors")
-        return replace(self, **{n: {} if empty else dict(getattr(self, n)) for n in names})
+        bare = World(self.base_frame, self.links, self.link_of)
+        if not empty:
+            bare.objects, bare.allowed = dict(self.objects), dict(self.allowed)
+            bare.defaults, bare.colors = dict(self.defaults), dict(self.colors)
+        return bare
 
     @property
     def standing(self) -> dict[str, SceneObject]:

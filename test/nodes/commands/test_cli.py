@@ -20,7 +20,7 @@ from robomech_ros import __version__, fastdds_shared_memory
 from robomech_ros.cli import doctor, main as cli
 from robomech_ros.cli.warmup import kernel_modules
 from robomech_ros.nodes.common.robot_description import LATCHED
-from robomech_ros.nodes.kinematics.node import KinematicsNode
+from robomech_ros.nodes.move_group.node import MoveGroupNode
 from robomech_ros.nodes.process.entry_points import NODE_MODULES
 from robomech_ros.robots import list_robots
 from robomech_ros.stop_signals import STOP_SIGNALS
@@ -87,13 +87,13 @@ def test_call_says_what_the_code_means(graph, capfd):
 
 
 def test_call_says_what_a_code_of_moveit_means(graph, capfd):
-    graph.start(KinematicsNode, robot_description="puma560")
+    graph.start(MoveGroupNode, robot_description="puma560")
     pose = "pose_stamped: {pose: {position: {x: 0.4, z: 0.3}, orientation: {w: 1.0}}}"
-    code, out, err = run(capfd, "call", "kinematics/compute_ik", f"{{ik_request: {{{pose}}}}}")
+    code, out, err = run(capfd, "call", "compute_ik", f"{{ik_request: {{{pose}}}}}")
     assert (code, "error" in err) == (0, False)
     assert len(yaml.safe_load(out)["solution"]["joint_state"]["position"]) == 6
     request = "{ik_request: {group_name: legs}}"
-    code, _, err = run(capfd, "call", "kinematics/compute_ik", request)
+    code, _, err = run(capfd, "call", "compute_ik", request)
     assert code == 1
     assert "error -15 INVALID_GROUP_NAME: group_name is 'legs'" in err
 

@@ -25,6 +25,7 @@ from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel, Rob
 from robomech_ros.nodes.dynamics.node import DynamicsNode
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.kinematics.node import KinematicsNode
+from robomech_ros.nodes.move_group.node import MoveGroupNode
 from robomech_ros.nodes.servo.node import ServoNode
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.robots import load_description, load_robot
@@ -101,13 +102,12 @@ def test_directions_and_markers_are_in_frames_with_the_prefix(left, graph):
 
 
 def test_moveit_services_answer_in_frames_with_the_prefix(left, graph):
-    left(KinematicsNode)
-    left(TrajectoryPlannerNode)
+    left(MoveGroupNode)
     request = GetPositionFK.Request(fk_link_names=["left/tool0", "tool0"])
     request.robot_state.joint_state = STATE
     for frame in ("", BASE, UR5E.base):
         request.header.frame_id = frame
-        answer = graph.call(GetPositionFK, "left/kinematics/compute_fk", request)
+        answer = graph.call(GetPositionFK, "left/compute_fk", request)
         assert answer.error_code.val == 1, answer.error_code.message
         assert [pose.header.frame_id for pose in answer.pose_stamped] == [BASE] * 2
         assert answer.pose_stamped[0].pose == answer.pose_stamped[1].pose
@@ -119,7 +119,7 @@ def test_moveit_services_answer_in_frames_with_the_prefix(left, graph):
     ahead[2, 3] = 0.02
     request.waypoints = [stamped_pose(ahead, "").pose] * 2
     request.header.frame_id = "left/tool0"
-    answer = graph.call(GetCartesianPath, "left/trajectory_planner/compute_cartesian_path", request)
+    answer = graph.call(GetCartesianPath, "left/compute_cartesian_path", request)
     assert answer.fraction == 1.0, answer.error_code.message
     path = answer.solution.joint_trajectory
     assert path.header.frame_id == BASE

@@ -38,6 +38,7 @@ from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, pose_from_matrix, stamped_pose
 from robomech_ros.nodes.dynamics.node import DynamicsNode
 from robomech_ros.nodes.kinematics.node import KinematicsNode
+from robomech_ros.nodes.move_group.node import MoveGroupNode
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.robots import load_robot
 from robomech_ros.spatial import inverse_pose, matrix_from_axis_angle, pose_from_matrix as posed
@@ -311,21 +312,20 @@ def test_jacobians_and_workspace_in_the_world(kinematics):
 
 
 def test_moveit_s_services_in_the_world_and_a_camera(kinematics):
+    kinematics.graph.start(MoveGroupNode, robot_description="puma560")
     kinematics.fix(transform("tool0", "camera", HAND_CAMERA))
     kinematics.joints(Q)
     call = kinematics.graph.call
     in_camera = inverse_pose(forward_kinematics(PUMA, Q) @ HAND_CAMERA) @ GOAL
     for frame, T in (("world", WORLD_BASE @ GOAL), ("camera", in_camera)):
         asked = PositionIKRequest(pose_stamped=stamped_pose(T, frame))
-        found = call(
-            GetPositionIK, "kinematics/compute_ik", GetPositionIK.Request(ik_request=asked)
-        )
+        found = call(GetPositionIK, "compute_ik", GetPositionIK.Request(ik_request=asked))
         assert found.error_code.val == MoveItErrorCodes.SUCCESS, found.error_code
         q = found.solution.joint_state.position
         np.testing.assert_allclose(forward_kinematics(PUMA, q), GOAL, atol=1e-8)
     request = GetPositionFK.Request(header=Header(frame_id="world"), fk_link_names=["tool0"])
     request.robot_state.joint_state = joint_state(NAMES, Q)
-    found = call(GetPositionFK, "kinematics/compute_fk", request)
+    found = call(GetPositionFK, "compute_fk", request)
     wanted = WORLD_BASE @ forward_kinematics(PUMA, Q)
     np.testing.assert_allclose(matrix_from_pose(found.pose_stamped[0].pose), wanted, atol=1e-12)
     # Within a ball in the world about the goal, and then about a place that is elsewhere.
@@ -336,13 +336,12 @@ def test_moveit_s_services_in_the_world_and_a_camera(kinematics):
         within.header.frame_id = "world"
         asked = PositionIKRequest(pose_stamped=stamped_pose(GOAL, ""))
         asked.constraints = Constraints(position_constraints=[within])
-        found = call(
-            GetPositionIK, "kinematics/compute_ik", GetPositionIK.Request(ik_request=asked)
-        )
+        found = call(GetPositionIK, "compute_ik", GetPositionIK.Request(ik_request=asked))
         assert found.error_code.val == code, found.error_code
 
 
 def test_paths_in_the_world_and_from_a_camera_at_the_start(graph):
+    graph.start(MoveGroupNode, robot_description="puma560")
     graph.start(TrajectoryPlannerNode, robot_description="puma560")
     tf = Broadcaster(graph)
     tf.fix(transform("world", "base_link", WORLD_BASE), transform("tool0", "camera", HAND_CAMERA))
@@ -360,7 +359,7 @@ def test_paths_in_the_world_and_from_a_camera_at_the_start(graph):
         request = GetCartesianPath.Request(waypoints=[pose_from_matrix(T)], max_step=0.01)
         request.header.frame_id = frame
         request.start_state.joint_state = joint_state(NAMES, Q)
-        found = graph.call(GetCartesianPath, "trajectory_planner/compute_cartesian_path", request)
+        found = graph.call(GetCartesianPath, "compute_cartesian_path", request)
         assert found.fraction == 1.0, found.error_code
         last = found.solution.joint_trajectory.points[-1].positions
         np.testing.assert_allclose(forward_kinematics(PUMA, last), end, atol=1e-7)

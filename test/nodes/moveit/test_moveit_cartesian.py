@@ -15,12 +15,11 @@ from moveit_msgs.msg import (
     RobotState,
     VisibilityConstraint,
 )
-from moveit_msgs.srv import GetCartesianPath
+from moveit_msgs.srv import GetCartesianPath, GetPositionFK
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 from trajectories import waypoints as points_of
 from trajectory_msgs.msg import JointTrajectory
-from waiting import hide_package
 
 from robomech_interfaces.srv import PlanCartesian, PlanJoint
 from robomech_ros.kinematics import forward_kinematics
@@ -28,6 +27,7 @@ from robomech_ros.kinetostatics import jacobian
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.move_group.node import MoveGroupNode
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.robots import load_description, load_robot
 from robomech_ros.spatial import inverse_pose
@@ -42,7 +42,7 @@ STEPS = np.array([[0.06, 0.0, 0.0], [0.06, 0.05, 0.03]])
 
 @pytest.fixture
 def puma(graph):
-    graph.start(TrajectoryPlannerNode, robot_description="puma560", state_timeout=0.0)
+    graph.start(MoveGroupNode, robot_description="puma560", state_timeout=0.0)
     return graph
 
 
@@ -68,7 +68,7 @@ def shifted(*steps, of=HERE):
 
 def compute(graph, **fields):
     good = {"start_state": state(), "waypoints": shifted(STEPS[0]), "max_step": 0.01}
-    return graph.ask(GetCartesianPath, "trajectory_planner/compute_cartesian_path", **good | fields)
+    return graph.ask(GetCartesianPath, "compute_cartesian_path", **good | fields)
 
 
 def test_others_are_served_while_a_long_path_is_planned(puma):
@@ -76,12 +76,11 @@ def test_others_are_served_while_a_long_path_is_planned(puma):
     request = GetCartesianPath.Request(
         start_state=state(), waypoints=shifted(*steps), max_step=0.01
     )
-    service = "trajectory_planner/compute_cartesian_path"
+    service = "compute_cartesian_path"
     slow = puma.start_call(GetCartesianPath, service, request)
-    ends = [joint_state(PUMA.joint_names, q) for q in (Q, Q + 0.1)]
-    quick = puma.ask(PlanJoint, "trajectory_planner/plan_joint", start=ends[0], goal=ends[1])
+    quick = puma.ask(GetPositionFK, "compute_fk", fk_link_names=["tool0"], robot_state=state())
     assert not slow.done()
-    assert quick.error_code == 0, quick.error_msg
+    assert quick.error_code.val == SUCCESS, quick.error_code
     checked(puma.wait_for(slow))
 
 
@@ -103,7 +102,7 @@ def test_straight_lines_from_waypoint_to_waypoint(puma):
     response = compute(puma, waypoints=shifted(*STEPS))
     points, poses = checked(response)
     assert response.fraction == 1.0
-    assert response.error_code.message == "" and response.error_code.source == "/trajectory_planner"
+    assert response.error_code.message == "" and response.error_code.source == "/move_group"
     np.testing.assert_allclose(response.start_state.joint_state.position, Q)
     assert not response.start_state.is_diff
     assert response.solution.joint_trajectory.header.frame_id == PUMA.base
@@ -123,6 +122,7 @@ def test_straight_lines_from_waypoint_to_waypoint(puma):
 def test_nothing_is_published_that_an_executor_would_take(puma):
     """A client of MoveIt's service executes the response itself; neither is a part of a path."""
     heard = []
+    puma.start(TrajectoryPlannerNode, robot_description="puma560", state_timeout=0.0)
     topic = "trajectory_planner/planned_trajectory"
     puma.client.create_subscription(JointTrajectory, topic, heard.append, LATCHED)
     checked(compute(puma, waypoints=shifted([0.01, 0.0, 0.0])))
@@ -139,7 +139,7 @@ def test_nothing_is_published_that_an_executor_would_take(puma):
 
 def test_with_position_only_ik_the_orientation_is_free(graph):
     options = {"robot_description": "puma560", "state_timeout": 0.0, "position_only_ik": True}
-    graph.start(TrajectoryPlannerNode, **options)
+    graph.start(MoveGroupNode, **options)
     # The waypoint turns the link by half a turn within 6 cm.
     turned = HERE.copy()
     turned[:3, :3] = HERE[:3, :3] @ np.diag([-1.0, -1.0, 1.0])
@@ -276,7 +276,7 @@ def test_a_link_before_the_tip_moves_its_own_joints_only(puma):
 
 
 def test_joints_that_are_not_given_are_where_they_are(graph):
-    graph.start(TrajectoryPlannerNode, robot_description="puma560", state_timeout=30.0)
+    graph.start(MoveGroupNode, robot_description="puma560", state_timeout=30.0)
     publisher = graph.client.create_publisher(JointState, "joint_states", 10)
     present = joint_state(PUMA.joint_names, Q)
     graph.client.create_timer(0.01, lambda: publisher.publish(present))
@@ -292,15 +292,10 @@ moving = state()
 moving.joint_state.velocity = [0.0, 0.3, 0.0, 0.0, 0.0, 0.0]
 REFUSALS = {
     "group": ({"group_name": "legs"}, MoveItErrorCodes.INVALID_GROUP_NAME, ["legs"]),
-    "collisions": (
-        {"avoid_collisions": True},
-        MoveItErrorCodes.COLLISION_CHECKING_UNAVAILABLE,
-        ["avoid_collisions is true"],
-    ),
     "carried": (
         {"start_state": RobotState(attached_collision_objects=[AttachedCollisionObject()])},
-        MoveItErrorCodes.COLLISION_CHECKING_UNAVAILABLE,
-        ["start_state.attached_collision_objects"],
+        STATE,
+        ["start_state.attached_collision_objects", "attached in the planning scene"],
     ),
     "no state": (
         {"start_state": RobotState()},
@@ -370,11 +365,3 @@ def test_every_bad_request_is_refused_by_name_and_the_node_goes_on_serving(puma)
             assert word in response.error_code.message, (name, response.error_code.message)
         assert not response.solution.joint_trajectory.points and response.fraction == 0.0, name
     checked(compute(puma))
-
-
-def test_without_the_type_the_planner_serves_the_rest(graph, monkeypatch):
-    hide_package(monkeypatch, "moveit_msgs", "robomech_ros.nodes.moveit.")
-    node = graph.start(TrajectoryPlannerNode, robot_description="puma560")
-    services = dict(node.get_service_names_and_types_by_node("trajectory_planner", "/"))
-    assert "/trajectory_planner/plan_joint" in services
-    assert "/trajectory_planner/compute_cartesian_path" not in services

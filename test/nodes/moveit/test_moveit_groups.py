@@ -17,8 +17,7 @@ from two_armed import SRDF, URDF, joints_of
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.pose_messages import stamped_pose
 from robomech_ros.nodes.common.robot_description import LATCHED
-from robomech_ros.nodes.kinematics.node import KinematicsNode
-from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
+from robomech_ros.nodes.move_group.node import MoveGroupNode
 from robomech_ros.robots import load_description, load_srdf
 
 ROBOT = load_description(URDF)
@@ -49,12 +48,12 @@ def pose_between(base, link, positions):
 def compute_ik(graph, seed, pose, **fields):
     request = PositionIKRequest(robot_state=state_of(seed), pose_stamped=pose, **fields)
     kind = GetPositionIK
-    return graph.ask(kind, "kinematics/compute_ik", ik_request=request)
+    return graph.ask(kind, "compute_ik", ik_request=request)
 
 
 @pytest.fixture
 def kinematics(graph):
-    graph.start(KinematicsNode, robot_description_semantic=SRDF, **OPTIONS)
+    graph.start(MoveGroupNode, robot_description_semantic=SRDF, **OPTIONS)
     return graph
 
 
@@ -185,7 +184,7 @@ def test_more_poses_than_joints_are_refused(kinematics):
 def test_groups_come_by_the_topic_too_and_by_their_links(graph):
     publisher = graph.client.create_publisher(String, "robot_description_semantic", LATCHED)
     entries = {"groups": ["left_arm:left_base:left_tool", "wrist:right_base:right_link_6"]}
-    graph.start(KinematicsNode, **entries, **OPTIONS)
+    graph.start(MoveGroupNode, **entries, **OPTIONS)
     wanted = everywhere(right_joint_2=0.1)
     pose = stamped_pose(pose_between("right_base", "right_link_6", wanted), "right_base")
     response = compute_ik(graph, everywhere(), pose, group_name="wrist")
@@ -202,7 +201,7 @@ def test_groups_come_by_the_topic_too_and_by_their_links(graph):
 
 
 def test_a_node_waits_for_the_srdf_with_its_group(graph):
-    node = graph.start(KinematicsNode, **OPTIONS)
+    node = graph.start(MoveGroupNode, **OPTIONS)
     assert "compute_ik" not in str(node.get_service_names_and_types())
     graph.client.create_publisher(String, "robot_description_semantic", LATCHED).publish(
         String(data=SRDF)
@@ -214,7 +213,7 @@ def test_a_node_waits_for_the_srdf_with_its_group(graph):
 
 def test_a_straight_line_of_one_arm_in_the_frame_of_the_other(graph):
     # Both arms move with the torso: the frame of one is fixed to the other.
-    graph.start(TrajectoryPlannerNode, robot_description_semantic=SRDF, **OPTIONS)
+    graph.start(MoveGroupNode, robot_description_semantic=SRDF, **OPTIONS)
     start, end = everywhere(), pose_between("left_base", "right_tool", everywhere())
     end[:3, 3] += (0.02, 0.01, -0.03)
     request = GetCartesianPath.Request(
@@ -224,7 +223,7 @@ def test_a_straight_line_of_one_arm_in_the_frame_of_the_other(graph):
         max_step=0.005,
     )
     request.header.frame_id = "left_base"
-    response = graph.call(GetCartesianPath, "trajectory_planner/compute_cartesian_path", request)
+    response = graph.call(GetCartesianPath, "compute_cartesian_path", request)
     assert response.error_code.val == MoveItErrorCodes.SUCCESS, response.error_code.message
     trajectory = response.solution.joint_trajectory
     assert tuple(trajectory.joint_names) == joints_of("right")

@@ -22,15 +22,16 @@ from moveit_msgs.msg import (
     VisibilityConstraint,
 )
 from moveit_msgs.srv import GetPositionFK, GetPositionIK
-from sensor_msgs.msg import MultiDOFJointState
+from sensor_msgs.msg import JointState, MultiDOFJointState
 from shape_msgs.msg import Mesh, SolidPrimitive
 from std_msgs.msg import Header
-from waiting import hide_package, publish_present
+from waiting import hide_package
 
+from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
-from robomech_ros.nodes.kinematics.node import KinematicsNode
+from robomech_ros.nodes.move_group.node import MoveGroupNode
 from robomech_ros.robots import load_description, load_robot
 from robomech_ros.spatial import inverse_pose, matrix_from_axis_angle, quaternion_from_matrix
 
@@ -42,9 +43,21 @@ UR_Q = np.array([0.3, -1.0, 1.2, 0.4, 0.9, -0.5])
 
 # Of the definitions that MoveIt's own package has in Jazzy and Kilted (moveit_msgs 2.6.0).
 HASHES = {
-    "GetPositionIK": "RIHS01_054ed6f6f71a09b01b5246c5d80beb4dacc6f444f58df039849c76292933e9e3",
-    "GetPositionFK": "RIHS01_2f16ec361a135d84b85a29385abeb9eeb025e39c09038bd6b2826645edc7edad",
-    "GetCartesianPath": "RIHS01_b19f501df5d378141d918199894c3ad24533e76021a880b15dc5d62fec8d7b1a",
+    "srv/GetPositionIK": "RIHS01_054ed6f6f71a09b01b5246c5d80beb4dacc6f444f58df039849c76292933e9e3",
+    "srv/GetPositionFK": "RIHS01_2f16ec361a135d84b85a29385abeb9eeb025e39c09038bd6b2826645edc7edad",
+    "srv/GetCartesianPath": (
+        "RIHS01_b19f501df5d378141d918199894c3ad24533e76021a880b15dc5d62fec8d7b1a"
+    ),
+    "msg/MotionPlanRequest": (
+        "RIHS01_f82ed20da5f8f93146999c1a3cfe34b56b97fc10333b40cac69782a1210888d7"
+    ),
+    "msg/PlanningScene": "RIHS01_0f58540ad5eab4b9ea827d53b763c793d8cabd202b3b301fcee25afa4ce1bd80",
+    "msg/CollisionObject": (
+        "RIHS01_74b0acd6d56be032bf4f764b2c2633f50588b5fb2bd71e97206c59052747cf7e"
+    ),
+    "msg/AttachedCollisionObject": (
+        "RIHS01_7fdfe7951a33a857f20fc42c9ed410a38d06dd0c209ac774ecea746dc487dc41"
+    ),
 }
 
 GRIPPER = """
@@ -67,13 +80,13 @@ def with_gripper():
 
 @pytest.fixture
 def puma(shared):
-    return shared(KinematicsNode, robot_description="puma560", state_timeout=0.0)
+    return shared(MoveGroupNode, robot_description="puma560", state_timeout=0.0)
 
 
 @pytest.fixture
 def own_puma(graph):
     """A node of one test alone."""
-    graph.start(KinematicsNode, robot_description="puma560", state_timeout=0.0)
+    graph.start(MoveGroupNode, robot_description="puma560", state_timeout=0.0)
     return graph
 
 
@@ -81,7 +94,7 @@ def own_puma(graph):
 def gripped(shared):
     """A UR5e with two fingers, of which one follows the other."""
     options = {"robot_description": with_gripper(), "tip_link": "tool0", "state_timeout": 0.0}
-    return shared(KinematicsNode, **options)
+    return shared(MoveGroupNode, **options)
 
 
 def state(q, names=PUMA.joint_names, **fields):
@@ -93,11 +106,11 @@ def target(q=Q, chain=PUMA, frame=""):
 
 
 def compute_ik(graph, **fields):
-    return graph.ask(GetPositionIK, "kinematics/compute_ik", ik_request=PositionIKRequest(**fields))
+    return graph.ask(GetPositionIK, "compute_ik", ik_request=PositionIKRequest(**fields))
 
 
 def compute_fk(graph, **fields):
-    return graph.ask(GetPositionFK, "kinematics/compute_fk", **fields)
+    return graph.ask(GetPositionFK, "compute_fk", **fields)
 
 
 def by_name(response):
@@ -112,11 +125,9 @@ def positions(response, names=PUMA.joint_names):
 
 @pytest.mark.parametrize("name", HASHES)
 def test_the_types_are_those_of_moveit(name):
-    place = Path(sys.prefix, "share", "moveit_msgs", "srv", f"{name}.json")
+    place = Path(sys.prefix, "share", "moveit_msgs", f"{name}.json")
     hashes = json.loads(place.read_text(encoding="utf-8"))["type_hashes"]
-    assert {h["type_name"]: h["hash_string"] for h in hashes}[f"moveit_msgs/srv/{name}"] == (
-        HASHES[name]
-    )
+    assert {h["type_name"]: h["hash_string"] for h in hashes}[f"moveit_msgs/{name}"] == HASHES[name]
 
 
 def test_ik_gives_the_solution_nearest_to_the_state_given(puma):
@@ -127,7 +138,7 @@ def test_ik_gives_the_solution_nearest_to_the_state_given(puma):
         )
         np.testing.assert_allclose(positions(response), Q, atol=1e-9)
     assert response.error_code.message == ""
-    assert response.error_code.source == "/kinematics"
+    assert response.error_code.source == "/move_group"
     assert response.solution.joint_state.name == list(PUMA.joint_names)
     assert response.solution.joint_state.header.frame_id == PUMA.base
     assert not response.solution.is_diff
@@ -149,7 +160,12 @@ def test_a_state_beyond_the_limits_is_taken_as_a_hint(puma):
 
 
 def test_without_a_state_the_present_one_is_meant(own_puma):
-    publish_present(own_puma, Q + 0.05, PUMA.joint_names)
+    publisher = own_puma.client.create_publisher(JointState, "joint_states", 10)
+    present = joint_state(PUMA.joint_names, Q + 0.05)
+    timer = own_puma.client.create_timer(0.01, lambda: publisher.publish(present))
+    request = GetPositionFK.Request(fk_link_names=["tool0"])
+    own_puma.call_until(GetPositionFK, "compute_fk", request, lambda answer: answer.pose_stamped)
+    timer.cancel()
     for relative in (False, True):
         response = compute_ik(
             own_puma, robot_state=RobotState(is_diff=relative), pose_stamped=target()
@@ -204,7 +220,7 @@ def test_a_vector_of_one_pose_goes_before_the_single_pose(puma):
 
 
 def test_the_pose_may_be_in_a_frame_fixed_to_the_base(graph):
-    graph.start(KinematicsNode, robot_description="ur5e", base_link="base_link_inertia")
+    graph.start(MoveGroupNode, robot_description="ur5e", base_link="base_link_inertia")
     above = load_description("ur5e").chain("base_link")
     seed = state(UR_Q + 0.1, UR5E.joint_names)
     wanted = target(UR_Q, above, "base_link")
@@ -222,7 +238,7 @@ def test_the_pose_may_be_in_a_frame_fixed_to_the_base(graph):
 
 def test_the_nanoseconds_of_a_timeout_count(graph):
     chain = load_robot("panda")
-    graph.start(KinematicsNode, robot_description="panda", state_timeout=0.0)
+    graph.start(MoveGroupNode, robot_description="panda", state_timeout=0.0)
     beyond = target(chain.midrange(), chain)
     beyond.pose.position.x += 5.0
     short = compute_ik(graph, pose_stamped=beyond, timeout=Duration(nanosec=100_000))
@@ -244,7 +260,7 @@ def test_out_of_reach_says_by_how_much(puma):
 
 @pytest.fixture
 def ur5e(shared):
-    return shared(KinematicsNode, robot_description="ur5e", state_timeout=0.0)
+    return shared(MoveGroupNode, robot_description="ur5e", state_timeout=0.0)
 
 
 @pytest.fixture(scope="module")
@@ -420,18 +436,16 @@ def moved(**fields):
 WRONG = MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS
 STATE = MoveItErrorCodes.INVALID_ROBOT_STATE
 LINK = MoveItErrorCodes.INVALID_LINK_NAME
-NO_COLLISIONS = MoveItErrorCodes.COLLISION_CHECKING_UNAVAILABLE
 REFUSALS = {
     "group": ({"group_name": "legs"}, MoveItErrorCodes.INVALID_GROUP_NAME, ["legs", "puma560"]),
-    "collisions": ({"avoid_collisions": True}, NO_COLLISIONS, ["avoid_collisions"]),
     "carried": (
         {
             "robot_state": RobotState(
                 attached_collision_objects=[AttachedCollisionObject(link_name="tool0")]
             )
         },
-        NO_COLLISIONS,
-        ["attached_collision_objects", "tool0"],
+        STATE,
+        ["attached_collision_objects", "attached in the planning scene"],
     ),
     "compound joint": (
         {
@@ -528,7 +542,7 @@ def test_fk_answers_for_the_links_it_knows(puma):
     [
         ({}, LINK, ["fk_link_names is empty"]),
         ({"fk_link_names": ["tool0"]}, MoveItErrorCodes.ROBOT_STATE_STALE, [JOINT]),
-        ({"fk_link_names": ["tool0"] * 11}, MoveItErrorCodes.FAILURE, ["11", "max_batch_size"]),
+        ({"fk_link_names": ["tool0"] * 11}, MoveItErrorCodes.FAILURE, ["11", "max_links"]),
         (
             {"fk_link_names": ["tool0"], "header": Header(frame_id="moon")},
             MoveItErrorCodes.FRAME_TRANSFORM_FAILURE,
@@ -538,8 +552,8 @@ def test_fk_answers_for_the_links_it_knows(puma):
     ],
 )
 def test_fk_refuses_by_name(graph, fields, code, words):
-    options = {"robot_description": "puma560", "state_timeout": 0.0, "max_batch_size": 10}
-    graph.start(KinematicsNode, **options)
+    options = {"robot_description": "puma560", "state_timeout": 0.0, "max_links": 10}
+    graph.start(MoveGroupNode, **options)
     response = compute_fk(graph, **fields)
     assert response.error_code.val == code, response.error_code
     for word in words:
@@ -562,9 +576,7 @@ def test_a_finger_that_follows_another_is_where_the_other_has_it(gripped):
         np.testing.assert_allclose(found, links[name], atol=1e-12)
 
 
-def test_without_moveit_msgs_the_node_serves_the_rest(graph, monkeypatch):
+def test_without_moveit_msgs_the_node_says_what_it_lacks(graph, monkeypatch):
     hide_package(monkeypatch, "moveit_msgs", "robomech_ros.nodes.moveit.")
-    node = graph.start(KinematicsNode, robot_description="puma560")
-    services = dict(node.get_service_names_and_types_by_node("kinematics", "/"))
-    assert "/kinematics/solve_ik" in services
-    assert "/kinematics/compute_ik" not in services
+    with pytest.raises(RobomechError, match="move_group needs moveit_msgs: `make setup` builds it"):
+        graph.start(MoveGroupNode, robot_description="puma560")
