@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from moveit_msgs.msg import DisplayTrajectory, MoveItErrorCodes, RobotState, RobotTrajectory
 from rclpy.node import Node
+from rclpy.task import Future
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.collision import PlanningScene, PlanStatus, timed_path
@@ -113,6 +114,8 @@ class MotionPlanning:
         scene = await self._scenes.of(question.chain, question.positions)
         work = partial(_planned, question, scene.copy(), settings, cancelled)
         done = self._worker.begin(work)
+        # Nobody may be left to ask for its error.
+        done.add_done_callback(Future.exception)
         while not done.done():
             if self._ends:
                 raise RejectedError(MoveItErrorCodes.ABORT, self._ends)
@@ -187,9 +190,9 @@ def _postures(question: MotionRequest, start: Array) -> Array:
         for q in found:
             at = dict(zip(question.chain.joint_names, q.tolist(), strict=True))
             broken = goal.conditions.broken({**question.positions, **at})
-            if broken:
-                reason, code = reason or broken, MoveItErrorCodes.GOAL_CONSTRAINTS_VIOLATED
-            else:
+            if broken and not reason:
+                reason, code = broken, int(MoveItErrorCodes.GOAL_CONSTRAINTS_VIOLATED)
+            elif not broken:
                 rows.append(q)
         reasons.append(f"{what}{reason}")
         codes.append(code)

@@ -1,0 +1,103 @@
+"""What clients of move_group send."""
+
+import numpy as np
+from geometry_msgs.msg import Pose
+from moveit_msgs.msg import (
+    AttachedCollisionObject,
+    BoundingVolume,
+    CollisionObject,
+    Constraints,
+    JointConstraint,
+    MotionPlanRequest,
+    OrientationConstraint,
+    PlanningScene,
+    PositionConstraint,
+    RobotState,
+)
+from moveit_msgs.srv import ApplyPlanningScene, GetPlanningScene
+from shape_msgs.msg import SolidPrimitive
+from shaped_arm import shaped_ur5e
+
+from robomech_ros.nodes.common.joint_limits import with_assumed_rates
+from robomech_ros.nodes.common.joint_messages import joint_state
+from robomech_ros.nodes.common.pose_messages import pose_from_matrix
+from robomech_ros.robots import load_description
+
+UR5E = with_assumed_rates(load_description(shaped_ur5e()))[0].chain()
+# The arm to one side of a wall at y = 0, and to the other.
+HERE = np.array([0.6, -1.2, 1.6, -1.9, -1.5708, 0.0])
+THERE = np.array([-1.0, -1.2, 1.6, -1.9, -1.5708, 0.0])
+
+
+class Client:
+    """Asks a move_group."""
+
+    def __init__(self, graph):
+        self.graph = graph
+
+    def apply(self, *objects, attached=(), **fields):
+        """Apply a difference of the scene; say whether it was taken."""
+        scene = PlanningScene(is_diff=True, **fields)
+        scene.world.collision_objects = list(objects)
+        scene.robot_state.is_diff = True
+        scene.robot_state.attached_collision_objects = list(attached)
+        return self.graph.ask(ApplyPlanningScene, "apply_planning_scene", scene=scene).success
+
+    def scene(self, components=0):
+        """Return the scene."""
+        request = GetPlanningScene.Request()
+        request.components.components = components
+        return self.graph.call(GetPlanningScene, "get_planning_scene", request).scene
+
+
+def state(q=HERE, **fields):
+    """Make a state of the arm."""
+    return RobotState(joint_state=joint_state(UR5E.joint_names, np.asarray(q, float)), **fields)
+
+
+def box(name="wall", sizes=(1.0, 0.02, 1.0), position=(0.5, 0.0, 0.5), **fields):
+    """Make a collision object with one box."""
+    shape = SolidPrimitive(type=SolidPrimitive.BOX, dimensions=list(map(float, sizes)))
+    pose = Pose()
+    pose.position.x, pose.position.y, pose.position.z = map(float, position)
+    return CollisionObject(id=name, primitives=[shape], pose=pose, **fields)
+
+
+def carried(one, link="tool0", **fields):
+    """Make an attached collision object."""
+    return AttachedCollisionObject(link_name=link, object=one, **fields)
+
+
+def joint_goal(q, tolerance=1e-3):
+    """Make goal constraints on all joints."""
+    return Constraints(
+        joint_constraints=[
+            JointConstraint(
+                joint_name=name,
+                position=float(value),
+                tolerance_above=tolerance,
+                tolerance_below=tolerance,
+                weight=1.0,
+            )
+            for name, value in zip(UR5E.joint_names, q, strict=True)
+        ]
+    )
+
+
+def pose_goal(T, link="tool0", tolerance=1e-3, frame=""):
+    """Make goal constraints on the pose of a link, as MoveIt's clients do."""
+    pose = pose_from_matrix(T)
+    ball = SolidPrimitive(type=SolidPrimitive.SPHERE, dimensions=[tolerance])
+    region = BoundingVolume(primitives=[ball], primitive_poses=[Pose(position=pose.position)])
+    where = PositionConstraint(link_name=link, constraint_region=region, weight=1.0)
+    turn = OrientationConstraint(link_name=link, orientation=pose.orientation, weight=1.0)
+    for axis in "xyz":
+        setattr(turn, f"absolute_{axis}_axis_tolerance", tolerance)
+    where.header.frame_id = turn.header.frame_id = frame
+    return Constraints(position_constraints=[where], orientation_constraints=[turn])
+
+
+def request(*goals, start=HERE, **fields):
+    """Make a request for a motion."""
+    given = {"group_name": "manipulator", "start_state": state(start), **fields}
+    return MotionPlanRequest(goal_constraints=list(goals), **given)
