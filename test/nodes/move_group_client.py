@@ -15,6 +15,7 @@ from moveit_msgs.msg import (
     RobotState,
 )
 from moveit_msgs.srv import ApplyPlanningScene, GetPlanningScene
+from rclpy.action import ActionClient
 from shape_msgs.msg import SolidPrimitive
 from shaped_arm import shaped_ur5e
 
@@ -42,6 +43,20 @@ class Client:
         scene.robot_state.is_diff = True
         scene.robot_state.attached_collision_objects = list(attached)
         return self.graph.ask(ApplyPlanningScene, "apply_planning_scene", scene=scene).success
+
+    def send(self, kind, name, goal):
+        """Send a goal; return its handle and the future of its result."""
+        actions = ActionClient(self.graph.client, kind, name)
+        assert actions.wait_for_server(30.0)
+        handle = self.graph.wait_for(self._asked(lambda: actions.send_goal_async(goal)))
+        return handle, self._asked(handle.get_result_async)
+
+    def _asked(self, ask):
+        """Return the future of what `ask` asks for, in the thread that spins the client.
+
+        An action client of rclpy does not know an answer that comes at once to another thread.
+        """
+        return self.graph.wait_for(self.graph.client.executor.create_task(ask))
 
     def scene(self, components=0):
         """Return the scene."""

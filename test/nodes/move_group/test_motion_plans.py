@@ -27,7 +27,6 @@ from moveit_msgs.srv import (
     QueryPlannerInterfaces,
     SetPlannerParams,
 )
-from rclpy.action import ActionClient
 from shaped_arm import shaped_ur5e
 from trajectories import waypoints as points_of
 
@@ -43,13 +42,6 @@ WALL = ((0.6, 0.02, 0.8), (0.55, 0.0, 0.4))
 def plan(client, *goals, **fields):
     asked = {"motion_plan_request": request(*goals, **fields)}
     return client.graph.ask(GetMotionPlan, "plan_kinematic_path", **asked).motion_plan_response
-
-
-def send(client, kind, name, goal):
-    """Send a goal; return its handle."""
-    actions = ActionClient(client.graph.client, kind, name)
-    assert actions.wait_for_server(30.0)
-    return client.graph.wait_for(actions.send_goal_async(goal))
 
 
 def checked(answer, start=HERE):
@@ -249,8 +241,8 @@ def test_a_goal_that_is_only_planned(client):
     client.graph.client.create_subscription(
         DisplayTrajectory, "display_planned_path", shown.append, 10
     )
-    handle = send(client, MoveGroup, "move_action", goal)
-    result = client.graph.wait_for(handle.get_result_async())
+    _, ended = client.send(MoveGroup, "move_action", goal)
+    result = client.graph.wait_for(ended)
     assert result.status == GoalStatus.STATUS_SUCCEEDED
     assert result.result.error_code.val == Codes.SUCCESS
     last = result.result.planned_trajectory.joint_trajectory.points[-1].positions
@@ -263,8 +255,8 @@ def test_a_goal_that_is_only_planned(client):
 def test_options_that_there_are_not_are_refused(client, option):
     goal = MoveGroup.Goal(request=request(joint_goal(THERE)))
     setattr(goal.planning_options, option, True)
-    handle = send(client, MoveGroup, "move_action", goal)
-    result = client.graph.wait_for(handle.get_result_async())
+    _, ended = client.send(MoveGroup, "move_action", goal)
+    result = client.graph.wait_for(ended)
     assert result.status == GoalStatus.STATUS_ABORTED
     assert f"planning_options.{option} is set" in result.result.error_code.message
 
@@ -272,11 +264,11 @@ def test_options_that_there_are_not_are_refused(client, option):
 def test_a_cancelled_goal_ends_and_others_are_answered_meanwhile(client):
     assert client.apply(*cage(0.17))
     goal = MoveGroup.Goal(request=request(joint_goal(THERE), allowed_planning_time=60.0))
-    handle = send(client, MoveGroup, "move_action", goal)
+    handle, ended = client.send(MoveGroup, "move_action", goal)
     begun = time.monotonic()
     assert client.scene().world.collision_objects
     client.graph.wait_for(handle.cancel_goal_async())
-    result = client.graph.wait_for(handle.get_result_async())
+    result = client.graph.wait_for(ended)
     assert time.monotonic() - begun < 20.0
     assert result.status in (GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED)
 
@@ -284,8 +276,8 @@ def test_a_cancelled_goal_ends_and_others_are_answered_meanwhile(client):
 def test_without_a_controller_nothing_is_executed(client):
     planned = plan(client, joint_goal(THERE)).trajectory
     goal = ExecuteTrajectory.Goal(trajectory=planned)
-    handle = send(client, ExecuteTrajectory, "execute_trajectory", goal)
-    result = client.graph.wait_for(handle.get_result_async())
+    _, ended = client.send(ExecuteTrajectory, "execute_trajectory", goal)
+    result = client.graph.wait_for(ended)
     assert result.status == GoalStatus.STATUS_ABORTED
     assert result.result.error_code.val == Codes.CONTROL_FAILED
     assert "joint_trajectory_controller" in result.result.error_code.message
