@@ -104,7 +104,7 @@ def test_versions_agree():
 def test_entry_points_lead_to_functions():
     points = importlib.metadata.entry_points(group="console_scripts")
     ours = [point for point in points if point.value.startswith("robomech_ros.")]
-    assert len(ours) == 12
+    assert len(ours) == 13
     for point in ours:
         assert callable(point.load()), point
         for folder in ("bin", "lib/robomech_ros"):
