@@ -22,6 +22,7 @@ NODES = {
     "joint_state_simulator_node",
     "kinematics_node",
     "mobile_base_node",
+    "move_group_node",
     "robomech",
     "rvs_node",
     "servo_node",

@@ -394,6 +394,7 @@ def test_a_node_that_cannot_start_says_why_in_one_line(suite, arguments, words):
         "joint_state_simulator_node",
         "kinematics_node",
         "mobile_base_node",
+        "move_group_node",
         "rvs_node",
         "servo_node",
         "trajectory_planner_node",

@@ -1,7 +1,7 @@
 """Execution of trajectories by the controller, for MoveIt's clients."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -12,6 +12,8 @@ from std_msgs.msg import String
 
 from robomech_ros.nodes.common.cooperative_wait import pause
 from robomech_ros.nodes.middleware.queue_depth import ask_action
+from robomech_ros.nodes.move_group.motion_watch import MotionWatch
+from robomech_ros.nodes.move_group.scenes import Scenes
 from robomech_ros.nodes.move_group.settings import MoveGroupSettings
 from robomech_ros.nodes.moveit.serving import RejectedError
 from robomech_ros.nodes.moveit.whole_robot import WholeRobot
@@ -20,6 +22,7 @@ from robomech_ros.nodes.trajectory_publisher.goals import AskedTolerances
 from robomech_ros.outcomes import Code
 
 _CONTROL_FAILED = MoveItErrorCodes.CONTROL_FAILED
+_INVALIDATED = MoveItErrorCodes.MOTION_PLAN_INVALIDATED_BY_ENVIRONMENT_CHANGE
 # Codes of the controller that mean more to MoveIt than that control failed.
 _CODES: dict[int, int] = {
     Code.NONE: MoveItErrorCodes.SUCCESS,
@@ -35,14 +38,21 @@ class Execution:
     node : Node
         Owner of the client and of the topic trajectory_execution_event.
     robot : WholeRobot
+    scenes : Scenes
+        What the robot may touch.
     settings : callable
         Gives the parameters of the node.
     """
 
     def __init__(
-        self, node: Node, robot: WholeRobot, settings: Callable[[], MoveGroupSettings]
+        self,
+        node: Node,
+        robot: WholeRobot,
+        scenes: Scenes,
+        settings: Callable[[], MoveGroupSettings],
     ) -> None:
         self._node, self._robot, self._settings = node, robot, settings
+        self._scenes = scenes
         self._goals = FollowGoals()
         self._controller = settings().controller
         self._client = ask_action(node, FollowGoals.kind, f"{self._controller}/{FollowGoals.name}")
@@ -66,7 +76,7 @@ class Execution:
         Raises
         ------
         RejectedError
-            The controller is missing, or the robot is not at the start.
+            The controller is missing, the robot is not at the start, or something is in the way.
         """
         if not trajectory.points:
             return MoveItErrorCodes.SUCCESS, "the trajectory is empty"
@@ -74,34 +84,45 @@ class Execution:
         if not self._client.server_is_ready():
             reason = f"the controller '{self._controller}' does not serve {FollowGoals.name}"
             raise RejectedError(_CONTROL_FAILED, f"{reason}; start it, or set controller")
-        stops, asked = self._stops, False
+        watch = MotionWatch(self._robot, self._scenes, trajectory)
+        if reason := await watch.obstruction():
+            raise RejectedError(_INVALIDATED, reason)
+        stops, asked, obstruction = self._stops, False, ""
         handle = await self._awaited(
             self._client.send_goal_async(self._goals.goal(trajectory, AskedTolerances()))
         )
         if not handle.accepted:
             raise RejectedError(_CONTROL_FAILED, "the controller rejected the trajectory")
 
-        def stop_if_asked() -> None:
-            nonlocal asked
-            if not asked and (cancelled() or self._stops != stops):
+        async def stop_if_necessary() -> None:
+            nonlocal asked, obstruction
+            if asked:
+                return
+            obstruction = await watch.obstruction()
+            if obstruction or cancelled() or self._stops != stops:
                 asked = True
                 handle.cancel_goal_async()
 
-        ended = await self._awaited(handle.get_result_async(), stop_if_asked)
+        ended = await self._awaited(handle.get_result_async(), stop_if_necessary)
         if ended.status == GoalStatus.STATUS_UNKNOWN:
             raise RejectedError(_CONTROL_FAILED, "the controller does not know the goal any more")
         code, text = self._goals.verdict(ended.status, ended.result, True)
+        if obstruction and code == Code.PREEMPTED:
+            return _INVALIDATED, f"the robot has stopped on its path: {obstruction}"
         if asked and code == Code.PREEMPTED:
             by = "the client" if cancelled() else "trajectory_execution_event"
             text = f"stopped by {by}; the robot stands on its path"
         return _CODES.get(code, _CONTROL_FAILED), text
 
-    async def _awaited(self, future: Future, look: Callable[[], object] = bool) -> Any:
+    async def _awaited(
+        self, future: Future, look: Callable[[], Awaitable[None]] | None = None
+    ) -> Any:
         """Return the controller's answer; looks around while it is waited for."""
         while not future.done():
             if not self._client.server_is_ready():
                 raise RejectedError(_CONTROL_FAILED, f"the controller '{self._controller}' is gone")
-            look()
+            if look is not None:
+                await look()
             await pause(self._node)
         return future.result()
 

@@ -98,7 +98,7 @@ class MoveGroupNode(Node):
         ValidityService(self, robot, settings, scenes)
         SceneServices(self, robot, scenes, settings())
         PlannerServices(self, settings)
-        execution = Execution(self, robot, settings)
+        execution = Execution(self, robot, scenes, settings)
         self._motions = MotionServices(self, self._planning, execution)
         text = f"; {scenes.unchecked}" if scenes.unchecked else ""
         self.get_logger().info(f"ready: {model.chain.name}, {model.chain.n} joints{text}")

@@ -6,10 +6,10 @@ import time
 import numpy as np
 import pytest
 from action_msgs.msg import GoalStatus
-from move_group_client import HERE, THERE, UR5E, Client, joint_goal, request
+from move_group_client import HERE, THERE, UR5E, Client, box, joint_goal, request
 from moveit_msgs.action import ExecuteTrajectory, MoveGroup
 from moveit_msgs.msg import MoveItErrorCodes as Codes, RobotState
-from moveit_msgs.srv import GetMotionPlan
+from moveit_msgs.srv import GetMotionPlan, GetStateValidity
 from shaped_arm import shaped_ur5e
 from std_msgs.msg import String
 
@@ -88,3 +88,27 @@ def test_a_motion_is_stopped(robot, how):
     expected = GoalStatus.STATUS_CANCELED if how == "cancel" else GoalStatus.STATUS_ABORTED
     assert ended.status == expected
     assert np.abs(robot.position - THERE).max() > 0.05
+
+
+def test_the_robot_stops_before_what_comes_into_its_way(robot):
+    slow = {**HALF, "max_velocity_scaling_factor": 0.05}
+    goal = MoveGroup.Goal(request=request(joint_goal(THERE), **slow))
+    _, result = robot.send(MoveGroup, "move_action", goal)
+    robot.wait_until_it_moves()
+    assert robot.apply(box("wall", (0.6, 0.02, 0.8), (0.55, 0.0, 0.4)))
+    outcome = robot.graph.wait_for(result).result.error_code
+    assert outcome.val == Codes.MOTION_PLAN_INVALIDATED_BY_ENVIRONMENT_CHANGE, outcome
+    assert "'wall'" in outcome.message and "stopped on its path" in outcome.message
+    answer = robot.graph.ask(GetStateValidity, "check_state_validity")
+    assert answer.valid
+    # A plan of before is not executed any more either.
+    assert robot.apply(box("wall", (0.6, 0.02, 0.8), (5.0, 0.0, 0.4)))
+    start = {**HALF, "start_state": RobotState(is_diff=True)}
+    asked = {"motion_plan_request": request(joint_goal(THERE), **start)}
+    planned = robot.graph.ask(GetMotionPlan, "plan_kinematic_path", **asked).motion_plan_response
+    assert planned.error_code.val == Codes.SUCCESS, planned.error_code
+    assert robot.apply(box("wall", (0.6, 0.02, 0.8), (0.55, 0.0, 0.4)))
+    goal = ExecuteTrajectory.Goal(trajectory=planned.trajectory)
+    _, result = robot.send(ExecuteTrajectory, "execute_trajectory", goal)
+    outcome = robot.graph.wait_for(result).result.error_code
+    assert outcome.val == Codes.MOTION_PLAN_INVALIDATED_BY_ENVIRONMENT_CHANGE, outcome
