@@ -32,7 +32,14 @@ _HARMLESS = {
         "SummarizeTorques",
     },
     "control_msgs": {"QueryTrajectoryState"},
-    "moveit_msgs": {"GetPositionFK", "GetPositionIK"},
+    "moveit_msgs": {
+        "GetPlannerParams",
+        "GetPlanningScene",
+        "GetPositionFK",
+        "GetPositionIK",
+        "GetStateValidity",
+        "QueryPlannerInterfaces",
+    },
     "rcl_interfaces": {
         "DescribeParameters",
         "GetLoggerLevels",

@@ -96,11 +96,13 @@ class SceneServices:
             if scene is not None:
                 refuse_unserved(scene)
             poses = await self._poses(frames_of_scene(objects, attached, self._scenes.world))
-            self._scenes.world = self._changed(objects, attached, scene, poses)
+            changed = self._changed(objects, attached, scene, poses)
+            self._scenes.adopt(changed, self._robot.known())
         except RobomechError as error:
             self._log.error(f"{what} refused, the scene stays as it is: {error}")
             return False
-        self._due.reset()
+        if self._due.is_canceled():
+            self._due.reset()
         return True
 
     def _changed(

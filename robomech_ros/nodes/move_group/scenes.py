@@ -35,24 +35,33 @@ class Scenes:
         self._model, self._worker, self._padding = model, worker, padding
         self.world = World(model.base_frame, model.description.links, model.link_of)
         self._followers: dict[tuple[str, str], _Follower] = {}
-        self._keep(model.chain, self._made(model.chain, model.semantic))
+        self._configured()
+
+    def adopt(self, world: World, positions: Positions) -> None:
+        """Let another world take the place of this one, unless it has what a scene cannot have.
+
+        Raises
+        ------
+        RobomechError
+            A shape without a volume, or planes that a link is to carry.
+        """
+        self._configured().at(world, positions)
+        self.world = world
 
     async def of(self, chain: SerialChain, positions: Positions) -> PlanningScene:
         """Return the scene of a chain, the other joints of the robot at positions (rad or m).
 
         It is good until the next await; longer work takes a copy.
         """
-        semantic = self._model.semantic
-        follower = self._followers.get((chain.base, chain.tip))
-        if follower is None or follower.semantic is not semantic:
-            made = await self._worker.do(partial(self._made, chain, semantic))
-            follower = self._keep(chain, made)
+        follower = self._follower(chain)
+        if follower is None:
+            follower = await self._worker.do(partial(self._made, chain))
+            self._followers[chain.base, chain.tip] = follower
         return follower.at(self.world, positions)
 
     def whole(self, positions: Positions) -> PlanningScene:
         """Return the scene of the configured chain, as `of` does."""
-        chain = self._model.chain
-        return self._followers[chain.base, chain.tip].at(self.world, positions)
+        return self._configured().at(self.world, positions)
 
     def ignored(self, positions: Positions) -> set[frozenset[str]]:
         """Return the pairs of bodies that are not checked."""
@@ -83,17 +92,24 @@ class Scenes:
         faults = "; ".join(f"link '{link}': {why}" for link, why in scene.unchecked.items())
         return f"collisions of some links were not checked: {faults}" if faults else ""
 
-    def _made(
-        self, chain: SerialChain, semantic: SemanticDescription
-    ) -> tuple[PlanningScene, SemanticDescription]:
-        return PlanningScene(chain, srdf=semantic, padding=self._padding), semantic
-
-    def _keep(
-        self, chain: SerialChain, made: tuple[PlanningScene, SemanticDescription]
-    ) -> "_Follower":
-        empty = self.world.copy(empty=True)
-        follower = self._followers[chain.base, chain.tip] = _Follower(*made, empty, self._model)
+    def _configured(self) -> "_Follower":
+        chain = self._model.chain
+        follower = self._follower(chain)
+        if follower is None:
+            follower = self._followers[chain.base, chain.tip] = self._made(chain)
         return follower
+
+    def _follower(self, chain: SerialChain) -> "_Follower | None":
+        """Return the follower of a chain; None if there is none with the present SRDF."""
+        follower = self._followers.get((chain.base, chain.tip))
+        if follower is not None and follower.semantic is not self._model.semantic:
+            return None
+        return follower
+
+    def _made(self, chain: SerialChain) -> "_Follower":
+        semantic = self._model.semantic
+        scene = PlanningScene(chain, srdf=semantic, padding=self._padding)
+        return _Follower(scene, semantic, self.world.copy(empty=True), self._model)
 
 
 class _Follower:
@@ -114,41 +130,49 @@ class _Follower:
         if any(self._others.get(name) != value for name, value in others.items()):
             self._scene.set_other_joints(others)
             self._others |= others
+            if self._scene.chain.base not in self._model.fixed_frames:
+                # The base of the chain has moved among the objects.
+                self._start_anew()
         if world is not self._world:
-            self._follow(world)
+            self._scene, self._world = self._followed(world), world
         return self._scene
 
-    def _follow(self, world: World) -> None:
-        before = self._world
-        if (world.allowed, world.defaults) != (before.allowed, before.defaults):
-            # What was decided before is not to be taken back pair by pair.
-            before, self._scene = self._empty, self._bare.copy()
-            self._scene.set_other_joints(self._others)
+    def _start_anew(self) -> None:
+        self._scene, self._world = self._bare.copy(), self._empty
+        self._scene.set_other_joints(self._others)
+
+    def _followed(self, world: World) -> PlanningScene:
+        """Return the scene with what has changed since the last world."""
+        if (world.allowed, world.defaults) != (self._world.allowed, self._world.defaults):
+            # What was decided before is not taken back pair by pair.
+            self._start_anew()
+        scene, before = self._scene.copy(), self._world
         for name, one in before.objects.items():
             if world.objects.get(name) is not one:
-                self._scene.remove(name)
+                scene.remove(name)
         for name, one in world.objects.items():
             if before.objects.get(name) is not one:
-                self._add(name, one)
-        self._decide(world)
-        self._world = world
+                self._add(scene, name, one)
+        _decide(scene, world)
+        return scene
 
-    def _add(self, name: str, one: SceneObject) -> None:
+    def _add(self, scene: PlanningScene, name: str, one: SceneObject) -> None:
         if not one.link:
-            self._scene.add(name, one.shapes, one.pose, frame=self._model.chain.base)
+            scene.add(name, one.shapes, one.pose, frame=self._model.chain.base)
             return
-        self._scene.add(name, one.shapes)
-        self._scene.attach(name, one.link, one.touch_links, pose=one.pose)
+        scene.add(name, one.shapes)
+        scene.attach(name, one.link, one.touch_links, pose=one.pose)
 
-    def _decide(self, world: World) -> None:
-        """Apply what clients have decided about pairs of bodies."""
-        if not world.allowed and not world.defaults:
-            return
-        ignored = {frozenset(pair) for pair in self._scene.ignored}
-        for first, second in combinations(self._scene.bodies, 2):
-            otherwise = frozenset((first, second)) in ignored
-            may = world.may_touch(first, second, otherwise)
-            if may and not otherwise:
-                self._scene.allow(first, second, "allowed by a client")
-            elif otherwise and not may:
-                self._scene.forbid(first, second)
+
+def _decide(scene: PlanningScene, world: World) -> None:
+    """Apply what clients have decided about pairs of bodies."""
+    if not world.allowed and not world.defaults:
+        return
+    ignored = {frozenset(pair) for pair in scene.ignored}
+    for first, second in combinations(scene.bodies, 2):
+        otherwise = frozenset((first, second)) in ignored
+        may = world.may_touch(first, second, otherwise)
+        if may and not otherwise:
+            scene.allow(first, second, "allowed by a client")
+        elif otherwise and not may:
+            scene.forbid(first, second)

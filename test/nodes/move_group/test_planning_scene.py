@@ -263,6 +263,18 @@ def test_a_scene_with_a_fault_changes_nothing(client, name):
     assert names(client) == ["good"]
 
 
+def test_what_the_library_cannot_take_changes_nothing(client):
+    floor = CollisionObject(id="floor", planes=[Plane(coef=[0.0, 0.0, 1.0, 0.0])])
+    assert not client.apply(attached=[carried(floor)])
+    corners = [Point(), Point(x=1.0), Point(y=1.0)]
+    face = MeshTriangle(vertex_indices=np.array([0, 1, 2], dtype=np.uint32))
+    flat = CollisionObject(id="flat", meshes=[Mesh(vertices=corners, triangles=[face])])
+    flat_is_taken = client.apply(flat)
+    assert names(client) == (["flat"] if flat_is_taken else [])
+    assert client.apply(box("good"))
+    assert "good" in names(client)
+
+
 def test_other_faults_change_nothing(client):
     assert not client.apply(link_padding=[LinkPadding(link_name="tool0", padding=0.1)])
     assert not client.apply(attached=[carried(PART, link="nothing")])
