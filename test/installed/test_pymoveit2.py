@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from contextlib import contextmanager
+from functools import partial
 
 import numpy as np
 import pytest
@@ -33,7 +34,8 @@ class Arm:
 
     def __init__(self, outsider, **options):
         self.outsider = outsider
-        self.moveit = pymoveit2.MoveIt2(
+        make = partial(
+            pymoveit2.MoveIt2,
             node=outsider.node,
             joint_names=list(UR5E.joint_names),
             base_link_name=UR5E.base,
@@ -41,6 +43,9 @@ class Arm:
             group_name="manipulator",
             **options,
         )
+        # In the thread that spins: an executor of rclpy looks at an action client while it is made.
+        task = outsider.node.executor.create_task(make)
+        self.moveit = self.done(task, lambda done: done.result())
         self.moveit.max_velocity = self.moveit.max_acceleration = 0.5
         self.moveit.allowed_planning_time = 20.0
 

@@ -1,5 +1,7 @@
 """What clients of move_group send."""
 
+from functools import partial
+
 import numpy as np
 from geometry_msgs.msg import Pose
 from moveit_msgs.msg import (
@@ -35,6 +37,7 @@ class Client:
 
     def __init__(self, graph):
         self.graph = graph
+        self._actions = {}
 
     def apply(self, *objects, attached=(), **fields):
         """Apply a difference of the scene; say whether it was taken."""
@@ -46,17 +49,21 @@ class Client:
 
     def send(self, kind, name, goal):
         """Send a goal; return its handle and the future of its result."""
-        actions = ActionClient(self.graph.client, kind, name)
+        if name not in self._actions:
+            make = partial(ActionClient, self.graph.client, kind, name)
+            self._actions[name] = self._spinning(make)
+        actions = self._actions[name]
         assert actions.wait_for_server(30.0)
-        handle = self.graph.wait_for(self._asked(lambda: actions.send_goal_async(goal)))
-        return handle, self._asked(handle.get_result_async)
+        handle = self.graph.wait_for(self._spinning(partial(actions.send_goal_async, goal)))
+        return handle, self._spinning(handle.get_result_async)
 
-    def _asked(self, ask):
-        """Return the future of what `ask` asks for, in the thread that spins the client.
+    def _spinning(self, work):
+        """Do work in the thread that spins the client.
 
-        An action client of rclpy does not know an answer that comes at once to another thread.
+        An action client of rclpy that another thread makes is looked at before it is complete, and
+        does not know an answer that comes at once.
         """
-        return self.graph.wait_for(self.graph.client.executor.create_task(ask))
+        return self.graph.wait_for(self.graph.client.executor.create_task(work))
 
     def scene(self, components=0):
         """Return the scene."""
