@@ -264,6 +264,7 @@ class RobotDescription(Printed):
             drives=tuple(map(joined_drive, leading, driven)),
             home_given=np.array(home) if len(home) == len(leaders) else None,
             coupling=coupling,
+            description=self,
         )
 
     def _bodies(self, along: list[LinkFrame], n: int) -> tuple[Body | None, ...]:

@@ -1,4 +1,4 @@
-"""Visual elements of links in a URDF: boxes, cylinders, spheres and mesh files, with colours."""
+"""Visual and collision elements of links in a URDF: simple shapes and mesh files."""
 
 from __future__ import annotations
 
@@ -14,18 +14,19 @@ Colour = tuple[float, float, float, float]
 
 # How many numbers each shape has, by tag and attribute.
 _MEASURES = {"box": {"size": 3}, "cylinder": {"radius": 1, "length": 1}, "sphere": {"radius": 1}}
+_WITH_CAPSULES = {**_MEASURES, "capsule": {"radius": 1, "length": 1}}
 
 
 @dataclass(frozen=True, eq=False)
 class Visual:
-    """One visual body of a link.
+    """One visual or collision body of a link.
 
     Parameters
     ----------
     link : str
     pose : ndarray, shape (4, 4)
         In the link (m).
-    kind : {"box", "cylinder", "sphere", "mesh"}
+    kind : {"box", "cylinder", "sphere", "mesh"}, or "capsule" of a collision body
     measures : tuple of float
         Sizes of a box; radius and length; radius; of a mesh its scale along x, y and z (m).
     filename : str
@@ -66,14 +67,29 @@ def read_visuals(text: str, where: str = "URDF") -> list[Visual]:
     found = []
     for link in links:
         reader = ElementReader(link, where)
-        read = [_visual(reader, one, named) for one in link.all("visual")]
+        read = [_visual(reader, one, named, _MEASURES) for one in link.all("visual")]
         found += [visual for visual in read if visual is not None]
     return found
 
 
-def _visual(reader: ElementReader, given: XmlElement, named: dict[str, Colour]) -> Visual | None:
+def read_collisions(text: str, where: str = "URDF") -> list[Visual]:
+    """Read the collision bodies of a URDF, as `read_visuals` does; capsules are among them."""
+    found = []
+    for link in parse_urdf(text, where).all("link"):
+        reader = ElementReader(link, where)
+        read = [_visual(reader, one, {}, _WITH_CAPSULES) for one in link.all("collision")]
+        found += [body for body in read if body is not None]
+    return found
+
+
+def _visual(
+    reader: ElementReader,
+    given: XmlElement,
+    named: dict[str, Colour],
+    measured: dict[str, dict[str, int]],
+) -> Visual | None:
     shapes = [shape for geometry in given.all("geometry") for shape in geometry.children]
-    shape = next((one for one in shapes if one.tag in (*_MEASURES, "mesh")), None)
+    shape = next((one for one in shapes if one.tag in (*measured, "mesh")), None)
     if shape is None:
         return None
     name = reader.element.attributes["name"]
@@ -88,7 +104,7 @@ def _visual(reader: ElementReader, given: XmlElement, named: dict[str, Colour]) 
         filename = shape.attributes.get("filename", "")
         return Visual(name, pose, "mesh", tuple(scale), filename, colour)
     measures: list[float] = []
-    for attribute, count in _MEASURES[shape.tag].items():
+    for attribute, count in measured[shape.tag].items():
         measures += reader.numbers(shape, attribute, count) or [0.0] * count
     return Visual(name, pose, shape.tag, tuple(measures), colour=colour)
 

@@ -1,0 +1,35 @@
+"""The world around a robot: clearance, motions proved free of contact, plans around obstacles.
+
+Each part is loaded on first use.
+"""
+
+from typing import TYPE_CHECKING
+
+from robomech_ros.lazy_import import lazy_exports
+
+if TYPE_CHECKING:
+    from robomech_ros.collision.distances import Clearance as Clearance
+    from robomech_ros.collision.libraries import MissingLibraryError as MissingLibraryError
+    from robomech_ros.collision.motion_proof import MotionCheck as MotionCheck
+    from robomech_ros.collision.planning import (
+        PathPlan as PathPlan,
+        PlanStatus as PlanStatus,
+    )
+    from robomech_ros.collision.scene import (
+        PlanningScene as PlanningScene,
+        SceneObject as SceneObject,
+    )
+    from robomech_ros.collision.shapes import (
+        Box as Box,
+        Capsule as Capsule,
+        Cone as Cone,
+        Cylinder as Cylinder,
+        Mesh as Mesh,
+        Plane as Plane,
+        Shape as Shape,
+        Sphere as Sphere,
+    )
+    from robomech_ros.collision.timed_path import timed_path as timed_path
+    from robomech_ros.robots.urdf.mesh_files import MeshError as MeshError
+
+__getattr__, __all__ = lazy_exports(__name__, globals())

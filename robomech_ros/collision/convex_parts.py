@@ -1,0 +1,113 @@
+"""Convex parts that together hold a closed mesh, for bodies that are nearly convex."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from robomech_ros.typing import Array
+
+# A part is divided if that makes its hull smaller by this much of the whole volume.
+_WORTH = 0.005
+# Where parts are cut, along their three axes.
+_PLACES = (0.35, 0.5, 0.65)
+
+
+class _Part(NamedTuple):
+    triangles: Array
+    corners: Array
+    volume: float
+
+
+def convex_parts(triangles: Array, most: int) -> list[Array]:
+    """Cut a mesh by planes into parts, each of which its convex hull fills better.
+
+    Parameters
+    ----------
+    triangles : ndarray, shape (m, 3, 3)
+        m.
+    most : int
+        The most parts there may be.
+
+    Returns
+    -------
+    list of ndarray, shape (k, 3)
+        Corners of the hulls; all that the mesh encloses is in one of them.
+    """
+    whole = _part(triangles)
+    parts, waiting = [], [whole]
+    while waiting:
+        waiting.sort(key=lambda part: part.volume)
+        widest = waiting.pop()
+        halves = _best_cut(widest) if len(parts) + len(waiting) + 2 <= most else []
+        saved = widest.volume - sum(one.volume for one in halves)
+        if not halves or saved < _WORTH * whole.volume:
+            parts.append(widest)
+        else:
+            waiting += halves
+    return [part.corners for part in parts]
+
+
+def is_closed(triangles: Array) -> bool:
+    """Whether each edge of a mesh (m, 3, 3) belongs to two triangles that run along it each way."""
+    flat = triangles.reshape(-1, 3)
+    size = float(np.ptp(flat, axis=0).max())
+    _, numbers = np.unique(np.round(flat / size, 6), axis=0, return_inverse=True)
+    corners = numbers.reshape(-1, 3)
+    corners = corners[(corners != np.roll(corners, 1, axis=1)).all(axis=1)]
+    edges = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2)
+    forth, back = (np.unique(pairs, axis=0) for pairs in (edges, edges[:, ::-1]))
+    return len(forth) == len(edges) and np.array_equal(forth, back)
+
+
+def _part(triangles: Array) -> _Part:
+    points = np.unique(triangles.reshape(-1, 3), axis=0)
+    hull = ConvexHull(points)
+    return _Part(triangles, points[hull.vertices], float(hull.volume))
+
+
+def _best_cut(part: _Part) -> list[_Part]:
+    best: list[_Part] = []
+    middle = part.corners.mean(axis=0)
+    for axis in np.linalg.svd(part.corners - middle, full_matrices=False)[2]:
+        along = part.corners @ axis
+        for place in _PLACES:
+            try:
+                halves = _cut(part.triangles, axis, float(np.quantile(along, place)))
+            except (QhullError, ValueError):
+                continue
+            if not best or sum(one.volume for one in halves) < sum(one.volume for one in best):
+                best = halves
+    return best
+
+
+def _cut(triangles: Array, axis: Array, height: float) -> list[_Part]:
+    """Cut triangles at a plane.
+
+    What is left of a triangle stands as its edges, which are triangles without an area.
+    """
+    away = triangles @ axis - height
+    crossing = (away > 0.0).any(axis=1) & (away < 0.0).any(axis=1)
+    corners, heights = triangles[crossing], away[crossing]
+    after, below = np.roll(corners, -1, axis=1), np.roll(heights, -1, axis=1)
+    share = np.divide(heights, heights - below, out=np.zeros_like(heights), where=heights != below)
+    # On an edge that does not cross the plane, the end that is nearer to it.
+    share = np.clip(share, 0.0, 1.0)
+    places = corners + share[:, :, None] * (after - corners)
+    crossed = (heights * below < 0.0) | (heights == 0.0)
+    first = places[np.arange(len(places)), np.argmax(crossed, axis=1)]
+    last = places[np.arange(len(places)), 2 - np.argmax(crossed[:, ::-1], axis=1)]
+    section = np.stack([first, last, last], axis=1)
+    halves = []
+    for side in (1.0, -1.0):
+        kept = [triangles[~crossing & (side * away >= 0.0).all(axis=1)], section]
+        for k in range(3):
+            u, v = side * heights[:, k], side * below[:, k]
+            begin = np.where((u >= 0.0)[:, None], corners[:, k], places[:, k])
+            end = np.where((v >= 0.0)[:, None], after[:, k], places[:, k])
+            edge = (u > 0.0) | (v > 0.0)
+            kept.append(np.stack([begin, end, end], axis=1)[edge])
+        halves.append(_part(np.concatenate(kept)))
+    return halves

@@ -1,0 +1,35 @@
+"""The libraries that compute distances and sample paths: optional, and loaded on first use."""
+
+from functools import cache
+from importlib import import_module
+from typing import Any
+
+from robomech_ros.errors import RobomechError
+
+
+class MissingLibraryError(RobomechError):
+    """A library that collisions need is not installed."""
+
+
+@cache
+def coal() -> Any:
+    """Return the module of coal."""
+    return _loaded("coal")
+
+
+@cache
+def ompl() -> Any:
+    """Return the module of OMPL, its log lowered to errors."""
+    module = _loaded("ompl")
+    for part in ("base", "geometric", "util"):
+        import_module(f"ompl.{part}")
+    module.util.setLogLevel(module.util.LogLevel.LOG_NONE)
+    return module
+
+
+def _loaded(name: str) -> Any:
+    try:
+        return import_module(name)
+    except ImportError:
+        why = f"collisions need {name}: pip install 'robomech_ros[collision]'"
+        raise MissingLibraryError(why) from None

@@ -1,0 +1,254 @@
+"""Proof that a motion is free of contact, between its samples too.
+
+While the joints of a chain turn by some angles, no point of a body moves farther than those angles
+times its distances from the axes.  A body is free on a part of a motion if in the middle of the part
+it is farther from all others than it can move on half of it; else the part is halved.
+
+References
+----------
+F. Schwarzer, M. Saha, J.-C. Latombe, "Adaptive dynamic collision checking for single and multiple
+articulated robots in complex environments", IEEE Trans. Robotics 21, 2005.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from robomech_ros._kernels.collision.bounds import CONTACT, FREE, pair_part, sweep
+from robomech_ros._kernels.compiling.jit import direct
+from robomech_ros.collision.distances import Distances
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics.joint_values import as_finite_values
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.trajectory.curves.bounds import hull
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.typing import Array
+
+_sweep, _pair_part = direct(sweep), direct(pair_part)
+# Bodies that move by less (m) are looked at by coal where spheres do not decide.
+_STEP = 0.03
+# Below this travel (m) a part is not halved any more, and a contact is found well enough.
+RESOLUTION = 1e-5
+_FIRST = 1e-4
+# A first contact is not looked for in parts of a piece that are shorter than this.
+_SHORTEST = 1e-6
+# By how much a distance that coal computes may be too large (m).
+_UNCERTAIN = 1e-6
+# Places for parts that are left to coal.
+_PLACES = 4096
+
+
+class MotionCheck(NamedTuple):
+    """Whether a motion is free of contact.
+
+    Attributes
+    ----------
+    free : bool
+        No contact was found.
+    certified : bool
+        It is proved that there is none.
+    parameter : float
+        Where the first contact is, or the first place that could not be proved: of waypoints the
+        index of the one before plus the part of the way to the next; of a path its coordinate (m);
+        of a trajectory the time (s).  NaN if certified.
+    bodies : tuple of str
+        The two there.
+    least : float
+        The least distance that was computed on the way (m): not above those at both ends of each
+        piece.
+    """
+
+    free: bool
+    certified: bool
+    parameter: float
+    bodies: tuple[str, str]
+    least: float
+
+
+class Obstruction(NamedTuple):
+    """Where a curve is in contact, or cannot be proved free: from 0 to 1, with the pair."""
+
+    at: float
+    pair: int
+    contact: bool
+
+
+class MotionProof:
+    """Proves pieces of motions.
+
+    Parameters
+    ----------
+    distances : Distances
+    clearance : float
+        What bodies must be farther apart than (m).
+    """
+
+    def __init__(self, distances: Distances, clearance: float) -> None:
+        self._distances = distances
+        self._clearance = clearance
+        self.least = math.inf
+        joints, bodies, around, spheres, shapes, placed, pairs = distances.tables
+        self._all = np.arange(len(pairs))
+        self._pair_tables = joints, bodies, spheres, placed, pairs
+        self._limits = np.array([clearance, _STEP])
+        self._found = np.zeros(4)
+        self._parts = np.zeros((_PLACES, 2))
+        self._pairs = np.zeros(_PLACES, dtype=np.int64)
+        self._travel = np.zeros(1 + (int(joints[:, 2].max()) + 1 if len(joints) else 0))
+        self._poses = np.zeros((2, 12))
+        self._turns, self._origins = self._poses[:, :9].reshape(2, 3, 3), self._poses[:, 9:]
+
+    def obstruction(self, curve: Array, *, first: bool = True) -> Obstruction | None:
+        """Find where a curve, as Bernstein coefficients (d + 1, n), is not free; None if it is.
+
+        With ``first`` that is the first such place, to a tenth of a millimetre of travel.
+        """
+        if not len(self._all):
+            return None
+        begin, end, best = 0.0, 1.0, None
+        while True:
+            part = _part(curve, begin, end)
+            status = self._sweep(part)
+            found = self._settled(part, int(self._found[0]), first)
+            at, proved = float(self._found[1]), float(self._found[3])
+            if found is None and status == CONTACT:
+                self.least = min(self.least, self._clearance)
+                found = Obstruction(at, int(self._found[2]), True)
+                span = (end - begin) * (at - proved)
+                if first and span > _SHORTEST:
+                    # Spheres overlap in the middle of a part whose first half is not proved yet.
+                    best = found._replace(at=begin + (end - begin) * at)
+                    begin, end = begin + (end - begin) * proved, best.at
+                    continue
+            if found is not None:
+                return found._replace(at=begin + (end - begin) * found.at)
+            if status == FREE:
+                return best
+            begin += (end - begin) * at
+
+    def _sweep(self, curve: Array) -> int:
+        status: int = _sweep(
+            *self._distances.tables,
+            self._all,
+            len(self._all),
+            curve,
+            self._limits,
+            self._found,
+            self._parts,
+            self._pairs,
+        )
+        return status
+
+    def _settled(self, curve: Array, count: int, first: bool) -> Obstruction | None:
+        """Look at the parts that spheres have left open.
+
+        For the first obstruction that is in their order; for any, meshes come last, as they take
+        longest.
+        """
+        best: Obstruction | None = None
+        order = range(count)
+        if not first and count:
+            slow = [self._distances.has_surfaces(pair) for pair in self._pairs[:count].tolist()]
+            order = sorted(order, key=slow.__getitem__)
+        for k in order:
+            begin, end = self._parts[k].tolist()
+            if best is not None and begin >= best.at:
+                break
+            found = self._look(curve, begin, end, int(self._pairs[k]), first)
+            if found is not None and (best is None or found.at < best.at):
+                best = found
+                if not first:
+                    break
+        return best
+
+    def _look(
+        self, curve: Array, begin: float, end: float, pair: int, first: bool
+    ) -> Obstruction | None:
+        """Prove a part for one pair by distances in the middle of ever smaller parts."""
+        best: Obstruction | None = None
+        waiting = [(begin, end)]
+        part, travel = np.empty(2), self._travel
+        while waiting:
+            part[0], part[1] = low, high = waiting.pop()
+            if best is not None and low >= best.at:
+                continue
+            _pair_part(*self._pair_tables, pair, curve, part, travel, self._poses)
+            poses = self._turns, self._origins, 0
+            distance, middle = self._distances.of_hulls(pair, *poses), 0.5 * (low + high)
+            needed = travel[0] + self._clearance + _UNCERTAIN
+            contact = distance <= self._clearance
+            if distance <= needed and self._distances.has_surfaces(pair):
+                if not self._distances.surfaces_within(pair, needed, *poses):
+                    self.least = min(self.least, needed)
+                    continue
+                contact = self._distances.surfaces_within(pair, self._clearance, *poses)
+                distance = self._clearance if contact else min(needed, max(distance, 0.0))
+            self.least = min(self.least, distance)
+            if distance > needed:
+                continue
+            if contact:
+                best = Obstruction(middle, pair, True)
+                if not first or travel[0] < _FIRST:
+                    continue
+                waiting.append((low, middle))
+            elif travel[0] < RESOLUTION:
+                if best is None or middle < best.at:
+                    best = Obstruction(middle, pair, False)
+            else:
+                waiting += [(middle, high), (low, middle)]
+        return best
+
+
+def check_motion(
+    chain: SerialChain, distances: Distances, motion: Any, clearance: float
+) -> MotionCheck:
+    """Prove a motion; see `PlanningScene.check_motion`."""
+    proof = MotionProof(distances, clearance)
+    breaks, curves = _pieces(chain, motion)
+    ends = curves[:, :1].reshape(-1, chain.n), curves[-1, -1:]
+    for q in np.concatenate(ends):
+        proof.least = min(proof.least, distances.nearest(q).distance)
+    for k, curve in enumerate(curves):
+        found = proof.obstruction(np.ascontiguousarray(curve))
+        if found is not None:
+            parameter = float(breaks[k] + found.at * (breaks[k + 1] - breaks[k]))
+            names = distances.names(found.pair)
+            return MotionCheck(not found.contact, False, parameter, names, proof.least)
+    return MotionCheck(True, True, math.nan, ("", ""), proof.least)
+
+
+def _pieces(chain: SerialChain, motion: Any) -> tuple[Array, Array]:
+    """Return breaks (s + 1,) and Bernstein coefficients (s, d + 1, n) of a motion."""
+    for name in ("pieces", "curve"):
+        motion = getattr(motion, name, motion)
+    if isinstance(motion, PiecewisePolynomial):
+        if motion.joints != chain.n:
+            raise BadValueError("joints of the motion", motion.joints, f"{chain.n}")
+        breaks = motion.breaks
+        if len(breaks) == 1:
+            breaks = np.array([breaks[0], breaks[0]])
+        return breaks, np.ascontiguousarray(hull(motion, 0).transpose(1, 0, 2))
+    if hasattr(motion, "sample"):
+        expected = "waypoints (m, n), or a path or trajectory of this library, with .pieces"
+        raise BadValueError("motion", motion, expected)
+    points = as_finite_values(chain, motion, "motion")
+    if points.ndim != 2 or not len(points):
+        raise BadValueError("motion", points.shape, f"waypoints (m, {chain.n})")
+    if len(points) == 1:
+        points = np.concatenate([points, points])
+    return np.arange(len(points)), np.stack([points[:-1], points[1:]], axis=1)
+
+
+def _part(curve: Array, begin: float, end: float) -> Array:
+    """Return a part of a curve (d + 1, n) of Bernstein type."""
+    if begin == 0.0 and end == 1.0:
+        return curve
+    part = curve.copy()
+    for first in range(1, len(part)):
+        part[first:] += (1.0 - end) * (part[first - 1 : -1] - part[first:])
+    for last in range(len(part) - 1, 0, -1):
+        part[:last] += (begin / end) * (part[1 : last + 1] - part[:last])
+    return part

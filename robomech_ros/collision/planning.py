@@ -1,0 +1,337 @@
+"""Paths around obstacles: OMPL samples, and every piece of a path is proved."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from enum import Enum
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.collision.libraries import ompl
+from robomech_ros.collision.motion_proof import MotionProof, check_motion
+from robomech_ros.errors import RobomechError, SeedOutsideLimitsError
+from robomech_ros.kinematics import inverse_kinematics
+from robomech_ros.kinematics.joint_values import as_finite_values, as_posture
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial import as_pose
+from robomech_ros.spatial.arrays import as_choice, finite_within, whole_number
+from robomech_ros.typing import Array
+
+if TYPE_CHECKING:
+    from robomech_ros.collision.scene import PlanningScene
+
+# Of OMPL, those that plan from a start to goals without more than which motions are free.
+PLANNERS = (
+    "RRTConnect",
+    "RRT",
+    "RRTstar",
+    "InformedRRTstar",
+    "BITstar",
+    "PRM",
+    "PRMstar",
+    "FMT",
+    "BFMT",
+    "KPIECE1",
+    "BKPIECE1",
+    "LBKPIECE1",
+)
+# The longest step of a tree (rad and m together).
+_RANGE = 1.5
+# What positions may be beyond their limits by rounding (rad or m).
+_SLACK = 1e-6
+# How a contact at the start is left: step (rad or m), the most steps, random directions of each.
+_STEP, _STEPS, _DIRECTIONS = 0.02, 60, 24
+# The random numbers of OMPL are the process's.
+_lock = threading.Lock()
+
+
+class PlanStatus(Enum):
+    """What became of a plan."""
+
+    SOLVED = "a path was found"
+    START_IN_CONTACT = "the start is in contact, and no way out was found"
+    GOAL_IN_CONTACT = "every goal is in contact"
+    NO_POSTURE = "no posture reaches the pose"
+    NO_PATH = "no path was found in time"
+
+
+class PlanRequest(NamedTuple):
+    """How to plan: time (s), seed of the random samples, clearance (m), and planner of OMPL."""
+
+    timeout: float = 5.0
+    seed: int = 0
+    clearance: float = 0.0
+    planner: str = PLANNERS[0]
+    cancelled: Callable[[], bool] = bool
+
+
+class PathPlan(NamedTuple):
+    """A path around obstacles, or why there is none.
+
+    Attributes
+    ----------
+    waypoints : ndarray, shape (m, n)
+        Joint values (rad or m), joined by straight lines; without rows where there is no path.
+    certified : bool
+        The whole path is proved free of contact.  It is not where the start is in contact; what
+        follows after the robot has left it is proved then.
+    goal : int
+        Which of the goals is reached: of a pose, which of its postures as inverse kinematics
+        lists them; -1 where none is.
+    status : PlanStatus
+    reason : str
+        In words what is wrong, or what is special; else empty.
+    seconds : float
+        How long it took.
+    """
+
+    waypoints: Array
+    certified: bool
+    goal: int
+    status: PlanStatus
+    reason: str
+    seconds: float
+
+
+def plan_path(
+    scene: PlanningScene, start: npt.ArrayLike, goals: npt.ArrayLike, request: PlanRequest
+) -> PathPlan:
+    """Plan a path; see `PlanningScene.plan`."""
+    begin = time.monotonic()
+    chain = scene.chain
+    finite_within("timeout", request.timeout, "above 0, at most 3600 s", 1e-3, 3600.0)
+    whole_number("seed", request.seed, "a whole number, 0 to 2^31 - 2", 0, 2**31 - 2)
+    as_choice("planner", request.planner, PLANNERS)
+    first = as_posture(chain, start, "start")
+    _check_limits(chain, first, "start")
+
+    def ended(
+        status: PlanStatus, reason: str, waypoints: Any = (), goal: int = -1, proved: bool = False
+    ) -> PathPlan:
+        path = np.array(waypoints).reshape(-1, chain.n)
+        return PathPlan(path, proved, goal, status, reason, time.monotonic() - begin)
+
+    postures, why = _postures(scene, goals, first)
+    if not len(postures):
+        return ended(PlanStatus.NO_POSTURE, why)
+    postures = _nearest_turns(chain, postures, first)
+    kept, why = _free_goals(scene, postures, request.clearance)
+    if not kept:
+        return ended(PlanStatus.GOAL_IN_CONTACT, why)
+    leaving, note = [first], ""
+    if not scene.is_free(first, clearance=request.clearance):
+        leaving, note = _leave(scene, first, request)
+        if not leaving:
+            return ended(PlanStatus.START_IN_CONTACT, note)
+    search = _Search(scene, request, begin + request.timeout)
+    path, goal = search.path(leaving[-1], postures, kept)
+    if goal < 0:
+        return ended(PlanStatus.NO_PATH, _unreached(request, search, postures, kept))
+    proved = check_motion(chain, scene.distances, path, request.clearance).certified
+    whole = np.concatenate([np.array(leaving[:-1]).reshape(-1, chain.n), path])
+    return ended(PlanStatus.SOLVED, note, whole, goal, proved and not note)
+
+
+def _unreached(
+    request: PlanRequest, search: _Search, postures: Array, kept: list[int]
+) -> str:
+    nearest, least = search.nearest(postures[kept])
+    near = ", ".join(f"{value:.4g}" for value in nearest)
+    return (
+        f"no path within {request.timeout:g} s and {search.tried} motions; the nearest posture "
+        f"reached is [{near}], {least:.3g} (rad, m) from a goal; allow more time, or less clearance"
+    )
+
+
+class _Search:
+    """A search by OMPL whose motions are proved."""
+
+    def __init__(self, scene: PlanningScene, request: PlanRequest, deadline: float) -> None:
+        self._scene, self._request, self._deadline = scene, request, deadline
+        self._distances = scene.distances
+        self._proof = MotionProof(self._distances, request.clearance)
+        self._free: dict[tuple[float, ...], None] = {}
+        self.tried = 0
+
+    def path(self, start: Array, postures: Array, kept: list[int]) -> tuple[Array, int]:
+        """Find a path from the start to one of the postures kept, and which; -1 for none."""
+        self._free[tuple(start.tolist())] = None
+        order = sorted(kept, key=lambda k: float(np.abs(postures[k] - start).max()))
+        for k in order:
+            self._free[tuple(postures[k].tolist())] = None
+        for k in order:
+            if self._is_over():
+                break
+            if self.proves(start.tolist(), postures[k].tolist()):
+                return np.array([start, postures[k]]), k
+        path = self._sampled(start, postures[order])
+        if path is None:
+            return np.empty((0, len(start))), -1
+        goal = min(order, key=lambda k: float(np.abs(postures[k] - path[-1]).max()))
+        path[0], path[-1] = start, postures[goal]
+        return path, goal
+
+    def proves(self, a: list[float], b: list[float]) -> bool:
+        """Whether the straight motion between two postures is proved free."""
+        self.tried += 1
+        # The end that is not known yet is the one likely to be in contact: it is looked at first.
+        if tuple(b) in self._free:
+            a, b = b, a
+        curve = np.array([b, a])
+        clearance = self._request.clearance
+        if tuple(b) not in self._free and self._distances.contact(curve[0], clearance) is not None:
+            return False
+        if self._proof.obstruction(curve, first=False) is not None:
+            return False
+        self._free[tuple(b)] = None
+        return True
+
+    def nearest(self, goals: Array) -> tuple[Array, float]:
+        """Find which posture that was reached is nearest to a goal, and how near."""
+        reached = np.array([q for q in self._free if not (goals == q).all(axis=1).any()])
+        away = np.abs(reached[:, None] - goals).max(axis=2).min(axis=1)
+        best = int(np.argmin(away))
+        return reached[best], float(away[best])
+
+    def _is_over(self) -> bool:
+        return time.monotonic() > self._deadline or self._request.cancelled()
+
+    def _sampled(self, start: Array, goals: Array) -> Array | None:
+        base, geometric = ompl().base, ompl().geometric
+        n = self._scene.chain.n
+        space = base.RealVectorStateSpace(n)
+        space.setBounds(_bounds(self._scene.chain, np.vstack([start, goals])))
+        information = base.SpaceInformation(space)
+        # All that is asked of states is asked of the motions that end at them.
+        information.setStateValidityChecker(lambda _: True)
+        search = self
+        entries = range(n)
+
+        class Proved(base.MotionValidator):  # type: ignore[misc]
+            def checkMotion(self, a: Any, b: Any, *_: Any) -> bool:  # noqa: N802
+                return search.proves([a[i] for i in entries], [b[i] for i in entries])
+
+        validator = Proved(information)
+        information.setMotionValidator(validator)
+        with _lock:
+            ompl().util.RNG.setSeed(self._request.seed + 1)
+            information.setup()
+            task, ends = base.ProblemDefinition(information), base.GoalStates(information)
+            task.addStartState(_state(space, start))
+            for goal in goals:
+                ends.addState(_state(space, goal))
+            task.setGoal(ends)
+            planner = getattr(geometric, self._request.planner)(information)
+            if hasattr(planner, "setRange"):
+                planner.setRange(_RANGE)
+            planner.setProblemDefinition(task)
+            planner.setup()
+            planner.solve(base.PlannerTerminationCondition(self._is_over))
+            if not task.hasExactSolution():
+                return None
+            path = task.getSolutionPath()
+            shortener = geometric.PathSimplifier(information)
+            shortener.reduceVertices(path)
+            shortener.partialShortcutPath(path)
+            return np.array([[state[i] for i in entries] for state in path.getStates()])
+
+
+def _state(space: Any, q: Array) -> Any:
+    state = space.allocState()
+    for i, value in enumerate(q.tolist()):
+        state[i] = value
+    return state
+
+
+def _bounds(chain: SerialChain, known: Array) -> Any:
+    """Return the limits of all joints; without limits half a turn beyond what is known."""
+    bounds = ompl().base.RealVectorBounds(chain.n)
+    low, high = known.min(axis=0), known.max(axis=0)
+    for i in range(chain.n):
+        lower = chain.lower[i] if np.isfinite(chain.lower[i]) else low[i] - np.pi
+        upper = chain.upper[i] if np.isfinite(chain.upper[i]) else high[i] + np.pi
+        bounds.setLow(i, float(min(lower, low[i])))
+        bounds.setHigh(i, float(max(upper, high[i])))
+    return bounds
+
+
+def _check_limits(chain: SerialChain, q: Array, what: str) -> None:
+    for i, name in enumerate(chain.joint_names):
+        if not chain.lower[i] - _SLACK <= q[i] <= chain.upper[i] + _SLACK:
+            ends = float(chain.lower[i]), float(chain.upper[i])
+            raise SeedOutsideLimitsError(name, float(q[i]), *ends, what, chain.units[i])
+
+
+def _postures(scene: PlanningScene, goals: npt.ArrayLike, start: Array) -> tuple[Array, str]:
+    """Return the postures (k, n) that are goals; where there are none, why."""
+    chain = scene.chain
+    given = np.asarray(goals, dtype=np.float64) if not isinstance(goals, np.ndarray) else goals
+    if given.shape == (4, 4) and (chain.n != 4 or _is_pose(given)):
+        found = inverse_kinematics(chain, as_pose(given), seed=start)
+        return found.q, found.reason
+    rows = as_finite_values(chain, given, "goals").reshape(-1, chain.n)
+    for row in rows:
+        _check_limits(chain, row, "goal")
+    return rows, "there is no goal"
+
+
+def _is_pose(given: Array) -> bool:
+    try:
+        as_pose(given)
+    except RobomechError:
+        return False
+    return True
+
+
+def _nearest_turns(chain: SerialChain, postures: Array, start: Array) -> Array:
+    """Turn joints without limits to the goal the short way round."""
+    moved: Array = postures.copy()
+    turns = 2.0 * np.pi * np.round((start - moved) / (2.0 * np.pi))
+    moved[:, chain.continuous] += turns[:, chain.continuous]
+    return moved
+
+
+def _free_goals(
+    scene: PlanningScene, postures: Array, clearance: float
+) -> tuple[list[int], str]:
+    """Return the numbers of the goals that are free; where there are none, the least depth."""
+    kept = [k for k, q in enumerate(postures) if scene.is_free(q, clearance=clearance)]
+    if kept:
+        return kept, ""
+    best = max((scene.clearance(q) for q in postures), key=lambda one: one.distance)
+    which = "the goal is" if len(postures) == 1 else f"all {len(postures)} goals are"
+    return [], f"{which} in contact: {in_words(best.bodies, best.distance)}"
+
+
+def in_words(bodies: tuple[str, str], distance: float) -> str:
+    """Say which bodies are in contact, and how deep."""
+    how = f"{-distance:.3g} m deep" if distance <= 0.0 else f"{distance:.3g} m apart"
+    return f"'{bodies[0]}' and '{bodies[1]}', {how}"
+
+
+def _leave(scene: PlanningScene, start: Array, request: PlanRequest) -> tuple[list[Array], str]:
+    """Find steps out of a contact, on which the least distance grows; none where there are none."""
+    found = scene.clearance(start)
+    contact = in_words(found.bodies, found.distance)
+    random = np.random.default_rng(request.seed)
+    path, least = [start], found.distance
+    lower, upper = np.minimum(scene.chain.lower, start), np.maximum(scene.chain.upper, start)
+    for _ in range(_STEPS):
+        directions = random.normal(size=(_DIRECTIONS, len(start)))
+        directions /= np.abs(directions).max(axis=1, keepdims=True)
+        steps = np.clip(path[-1] + _STEP * directions, lower, upper)
+        distances = [scene.clearance(q).distance for q in steps]
+        best = int(np.argmax(distances))
+        if not distances[best] > least:
+            break
+        path.append(steps[best])
+        least = distances[best]
+        if least > request.clearance + _SLACK:
+            return path, f"the start is in contact and is left first: {contact}"
+    carried = [name for name in found.bodies if name in scene.objects and scene.objects[name].link]
+    hint = f"; if it may touch '{carried[0]}', name it in touch_links" if carried else ""
+    return [], f"the start is in contact: {contact}{hint}"

@@ -1,0 +1,149 @@
+"""The bodies of a robot: where its links are, their shapes, and pairs that need no check."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from robomech_ros._kernels.collision.shapes import TREE_WIDTH
+from robomech_ros.collision.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
+from robomech_ros.errors import RobomechError
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.robots.description import RobotDescription
+from robomech_ros.robots.joint import rotation_from_z
+from robomech_ros.robots.mimic import MimicJoint
+from robomech_ros.robots.urdf.mesh_files import mesh_file
+from robomech_ros.robots.urdf.visuals import Visual, read_collisions
+from robomech_ros.spatial import inverse_pose
+from robomech_ros.typing import Array
+
+
+class LinkPlace(NamedTuple):
+    """The frame that a link moves with (0 for the base), and its pose (4, 4) there (m)."""
+
+    frame: int
+    pose: Array
+
+
+class LinkPlaces(NamedTuple):
+    """The tree of joints (m, 17) that the drives of a chain move, and where the links are."""
+
+    joints: Array
+    links: dict[str, LinkPlace]
+
+
+def place_links(chain: SerialChain, others: Mapping[str, float]) -> LinkPlaces:
+    """Find what moves with which drive of a chain, on it and beside it.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Its base is the frame of all that does not move.
+    others : mapping of str to float
+        Where joints that are none of its drives stand (rad or m); others are at rest.
+    """
+    if chain.description is None:
+        return _along_chain(chain)
+    description = chain.description
+    at = description.joint_positions(others)
+    rest = description.link_poses(others)
+    drives = {name: k for k, name in enumerate(chain.joint_names)}
+    rows: list[Array] = []
+    places = {description.root: LinkPlace(0, inverse_pose(rest[chain.base]))}
+    children: dict[str, list] = {}
+    for joint in description.joints:
+        children.setdefault(joint.parent, []).append(joint)
+    waiting = deque([description.root])
+    while waiting:
+        link = waiting.popleft()
+        frame, pose = places[link]
+        for joint in children.get(link, ()):
+            follower = description.followers.get(joint.name, MimicJoint(joint.name, 1.0, 0.0))
+            if joint.moves and follower.leader in drives and joint.name not in others:
+                turn = rotation_from_z(joint.axis)
+                slides = float(joint.type == "prismatic")
+                drive = drives[follower.leader]
+                gains = (drive, follower.multiplier, follower.offset)
+                rows.append(_row(frame, slides, gains, pose @ joint.origin @ turn))
+                places[joint.child] = LinkPlace(len(rows), turn.T @ joint.after)
+            else:
+                places[joint.child] = LinkPlace(frame, pose @ joint.pose(at.get(joint.name, 0.0)))
+            waiting.append(joint.child)
+    return LinkPlaces(np.array(rows).reshape(-1, TREE_WIDTH), places)
+
+
+def _along_chain(chain: SerialChain) -> LinkPlaces:
+    """Place the links of a chain that comes from no description."""
+    rows = []
+    coupling = chain.coupling
+    for i in range(len(chain.packed) - 1):
+        gains = (i, 1.0, 0.0)
+        if coupling is not None:
+            gains = (int(coupling.drive[i]), coupling.gain[i], coupling.offset[i])
+        pose = np.eye(4)
+        pose[:3, :3] = chain.packed[i, 1:10].reshape(3, 3)
+        pose[:3, 3] = chain.packed[i, 10:13]
+        rows.append(_row(i, float(chain.packed[i, 0] == PRISMATIC), gains, pose))
+    links = {frame.name: LinkPlace(frame.joints, frame.offset) for frame in chain.frames}
+    return LinkPlaces(np.array(rows).reshape(-1, TREE_WIDTH), links)
+
+
+def _row(frame: int, slides: float, gains: tuple[int, float, float], pose: Array) -> Array:
+    return np.array([frame, slides, *gains, *pose[:3, :3].ravel(), *pose[:3, 3]])
+
+
+def as_row(pose: Array) -> Array:
+    """Return a pose (4, 4) as the twelve numbers of the kernels."""
+    return np.append(pose[:3, :3].ravel(), pose[:3, 3])
+
+
+class LinkShape(NamedTuple):
+    """A shape of a link, and its pose (4, 4) in the link (m)."""
+
+    link: str
+    shape: Shape
+    pose: Array
+
+
+def link_shapes(description: RobotDescription | None) -> tuple[list[LinkShape], dict[str, str]]:
+    """Read the shapes of all links, and why those of some cannot be used, by link."""
+    found: list[LinkShape] = []
+    faults: dict[str, str] = {}
+    if description is None or not description.document:
+        return found, faults
+    path = Path(description.where)
+    folder = path.resolve().parent if path.suffix and path.is_file() else None
+    for given in read_collisions(description.document, description.where):
+        try:
+            found.append(LinkShape(given.link, _shape(given, folder), given.pose))
+        except RobomechError as error:
+            faults[given.link] = str(error)
+    return found, faults
+
+
+def _shape(given: Visual, folder: Path | None) -> Shape:
+    if given.kind == "mesh":
+        file = mesh_file(given.filename, folder, anywhere=True)
+        return Mesh(file, scale=given.measures)
+    kinds = {"box": Box, "cylinder": Cylinder, "capsule": Capsule, "sphere": Sphere}
+    return kinds[given.kind](*given.measures)
+
+
+def adjacent_links(description: RobotDescription | None, with_shapes: set[str]) -> set[frozenset]:
+    """Find pairs of links with shapes that one joint holds together, or links without shapes."""
+    pairs: set[frozenset] = set()
+    if description is None:
+        return pairs
+    to_parent = {joint.child: joint.parent for joint in description.joints}
+    for link in with_shapes:
+        above = to_parent.get(link)
+        while above is not None and above not in with_shapes:
+            above = to_parent.get(above)
+        if above is not None:
+            pairs.add(frozenset((link, above)))
+    return pairs

@@ -1,0 +1,514 @@
+"""What stands around a robot, and how near the robot comes to it and to itself."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.collision.distances import Clearance, Distances, PlacedBody
+from robomech_ros.collision.motion_proof import MotionCheck, check_motion
+from robomech_ros.collision.planning import PathPlan, PlanRequest, plan_path
+from robomech_ros.collision.robot_bodies import adjacent_links, link_shapes, place_links
+from robomech_ros.collision.shapes import Body, Mesh, Plane, Shape
+from robomech_ros.collision.sphere_cover import cover
+from robomech_ros.errors import BadValueError, UnknownLinkError
+from robomech_ros.kinematics.joint_values import as_finite_values
+from robomech_ros.robots import load_robot, load_srdf
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.description import RobotDescription
+from robomech_ros.robots.entry_checks import bare_link, check_name
+from robomech_ros.robots.semantic import SemanticDescription
+from robomech_ros.spatial import as_pose
+from robomech_ros.spatial.arrays import finite_within
+from robomech_ros.typing import Array, BoolArray
+
+# Spheres that cover a body of the robot: more are nearer to its shape, and take longer.
+_MOST_SPHERES, _FEWEST_SPHERES = 12, 3
+# Random postures at all of which a pair must touch to count as built that way.
+_POSTURES = 64
+LARGEST_PADDING = 1.0
+_NO_SPHERES, _POINT = np.empty((0, 8)), np.zeros(4)
+
+Shapes = Shape | Sequence[tuple[Shape, npt.ArrayLike]]
+
+
+@dataclass(frozen=True, eq=False)
+class SceneObject:
+    """An object of the world, or one that a link carries.
+
+    Attributes
+    ----------
+    name : str
+    parts : tuple of (Shape, Body, ndarray)
+        Shapes and their poses (4, 4) in the object (m).
+    pose : ndarray, shape (4, 4)
+        In the base, or in the link that carries it (m).
+    link : str
+        What carries it; empty for an object of the world.
+    touch_links : frozenset of str
+        Links that may touch it.
+    """
+
+    name: str
+    parts: tuple[tuple[Shape, Body, Array], ...]
+    pose: Array
+    link: str = ""
+    touch_links: frozenset[str] = frozenset()
+
+
+class PlanningScene:
+    """A robot and the objects around it.
+
+    Links of robots without collision elements in their URDF are not checked, and neither are those
+    whose meshes cannot be read: see `has_geometry` and `unchecked`.  The convex hull stands for the
+    mesh of a link.
+
+    Parameters
+    ----------
+    robot : SerialChain, RobotDescription, str or path
+        A chain, or what a chain is taken of (see `load_robot`).
+    base, tip : str, optional
+        Ends of the chain, where the robot is none.  All poses are in the base.
+    srdf : SemanticDescription, str or path, optional
+        Its pairs of links are not checked.
+    padding : float
+        By how much links count as wider against objects (m).
+
+    Raises
+    ------
+    MissingLibraryError
+        coal is not installed.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.collision import Box, PlanningScene
+    >>> scene = PlanningScene("ur5e_with_shapes")  # doctest: +SKIP
+    >>> scene.add("table", Box(1.0, 1.0, 0.1))  # doctest: +SKIP
+    """
+
+    def __init__(
+        self,
+        robot: SerialChain | RobotDescription | str | os.PathLike[str],
+        *,
+        base: str | None = None,
+        tip: str | None = None,
+        srdf: SemanticDescription | str | os.PathLike[str] | None = None,
+        padding: float = 0.0,
+    ) -> None:
+        self.chain = _chain(robot, base, tip)
+        expected = f"0 to {LARGEST_PADDING:g} m"
+        self.padding = finite_within("padding", padding, expected, 0.0, LARGEST_PADDING)
+        self._others: dict[str, float] = {}
+        self._objects: dict[str, SceneObject] = {}
+        shapes, self.unchecked = link_shapes(self.chain.description)
+        self._links = []
+        for link, shape, pose in shapes:
+            bodies = shape.parts() if isinstance(shape, Mesh) else [shape.body()]
+            count = max(_MOST_SPHERES // len(bodies), _FEWEST_SPHERES)
+            self._links += [(link, body, pose, *_covered(body, count)) for body in bodies]
+        self._allowed: dict[frozenset[str], str] = {}
+        self._place()
+        self._ignore(_semantic(srdf, self.chain.description))
+
+    def copy(self) -> PlanningScene:
+        """Return a scene of the same robot and objects, that later changes leave as it is."""
+        other = copy(self)
+        other._others, other._objects = dict(self._others), dict(self._objects)
+        other._allowed = dict(self._allowed)
+        other.__dict__.pop("distances", None)
+        return other
+
+    @property
+    def has_geometry(self) -> bool:
+        """Whether any link of the robot has a shape: else nothing is checked."""
+        return bool(self._links)
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Links with shapes, then objects."""
+        return (*dict.fromkeys(link for link, *_ in self._links), *self._objects)
+
+    @property
+    def objects(self) -> Mapping[str, SceneObject]:
+        """The objects by name, those that links carry among them."""
+        return dict(self._objects)
+
+    @property
+    def ignored(self) -> dict[tuple[str, str], str]:
+        """Pairs of bodies that are not checked, and why."""
+        found = {}
+        names = self.bodies
+        for i, first in enumerate(names):
+            for second in names[i + 1 :]:
+                why = self._reason(first, second)
+                if why:
+                    found[first, second] = why
+        return found
+
+    def add(
+        self,
+        name: str,
+        shape: Shapes,
+        pose: npt.ArrayLike | None = None,
+        *,
+        frame: str | None = None,
+    ) -> None:
+        """Add an object to the world.
+
+        Parameters
+        ----------
+        name : str
+            None of a link or of another object.
+        shape : Shape or sequence of (Shape, pose)
+            One shape, or several and their poses (4, 4) in the object (m).
+        pose : array_like, shape (4, 4), optional
+            In the frame (m); by default there is the frame's own.
+        frame : str, optional
+            A link, by default the base of the chain.  A link that the chain moves carries the
+            object from now on, as `attach` has it.
+        """
+        check_name("name", name)
+        if name in self._objects or name in self._places.links:
+            raise BadValueError("name of an object", name, "one that nothing has yet")
+        placed = np.eye(4) if pose is None else as_pose(pose)
+        link = self._known(frame) if frame else ""
+        if link and not self._places.links[link].frame:
+            placed, link = self._places.links[link].pose @ placed, ""
+        added = SceneObject(name, _parts(shape), placed)
+        if link:
+            added = replace(added, link=_carrier(added, link))
+        self._change({**self._objects, name: added})
+
+    def move(self, name: str, pose: npt.ArrayLike) -> None:
+        """Move an object to a pose (4, 4) in the base, or in the link that carries it (m)."""
+        moved = replace(self._object(name), pose=as_pose(pose))
+        self._change({**self._objects, name: moved})
+
+    def remove(self, name: str) -> None:
+        """Remove an object."""
+        self._object(name)
+        self._change({key: one for key, one in self._objects.items() if key != name})
+
+    def attach(
+        self,
+        name: str,
+        link: str,
+        touch_links: Iterable[str] = (),
+        *,
+        pose: npt.ArrayLike | None = None,
+        q: npt.ArrayLike | None = None,
+    ) -> None:
+        """Let a link carry an object.
+
+        Parameters
+        ----------
+        name : str
+            An object of the scene.
+        link : str
+        touch_links : iterable of str
+            Links besides this one that may touch it, such as the fingers.
+        pose : array_like, shape (4, 4), optional
+            Of the object in the link (m).
+        q : array_like, shape (n,), optional
+            Where the robot stands, if the object stays where it is in the base.  Without it and
+            without a pose, the object's pose is taken to be one in the link.
+        """
+        found = self._object(name)
+        link = _carrier(found, self._known(link))
+        touching = frozenset(map(self._known, touch_links))
+        placed = found.pose if pose is None else as_pose(pose)
+        if pose is None and q is not None:
+            placed = np.linalg.solve(self.link_pose(link, q), found.pose)
+        attached = replace(found, pose=placed, link=link, touch_links=touching)
+        self._change({**self._objects, name: attached})
+
+    def detach(self, name: str, *, q: npt.ArrayLike | None = None) -> None:
+        """Put an object back into the world: where it is at q (n,), or at its pose as it stands."""
+        found = self._object(name)
+        if not found.link:
+            raise BadValueError("object", name, "one that a link carries")
+        pose = found.pose if q is None else self.link_pose(found.link, q) @ found.pose
+        released = replace(found, pose=pose, link="", touch_links=frozenset())
+        self._change({**self._objects, name: released})
+
+    def allow(self, first: str, second: str, why: str = "allowed") -> None:
+        """Let two bodies touch, links or objects."""
+        self._allowed[frozenset((first, second))] = why
+        self._changed()
+
+    def forbid(self, first: str, second: str) -> None:
+        """Look at two bodies again that were allowed to touch."""
+        self._allowed.pop(frozenset((first, second)), None)
+        self._changed()
+
+    def set_other_joints(self, positions: Mapping[str, float]) -> None:
+        """Say where joints stand that are none of the chain, such as those of fingers (rad, m)."""
+        own = [name for name in positions if name in self.chain.joint_names]
+        if own:
+            raise BadValueError("joint", own[0], "one that is none of the chain")
+        self._others = {**self._others, **positions}
+        self._place()
+
+    def load(self, scene: Mapping[str, Any] | str | os.PathLike[str]) -> None:
+        """Add what a scene of MoveIt holds, from a file or a mapping in its layout.
+
+        It has ``world.collision_objects``, ``robot_state.attached_collision_objects`` and
+        ``allowed_collision_matrix``, each of which may be missing.
+        """
+        from robomech_ros.collision.scene_files import load_scene
+
+        load_scene(self, scene)
+
+    def link_pose(self, link: str, q: npt.ArrayLike) -> Array:
+        """Return the pose (4, 4) of a link in the base at q (n,) (m)."""
+        from robomech_ros._kernels.collision.bounds import frames_at
+
+        place = self._places.links[self._known(link)]
+        frames = np.empty((len(self._places.joints) + 1, 12))
+        frames_at(self._places.joints, as_finite_values(self.chain, q), frames)
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = frames[place.frame, :9].reshape(3, 3), frames[place.frame, 9:]
+        result: Array = pose @ place.pose
+        return result
+
+    def clearance(self, q: npt.ArrayLike) -> Clearance:
+        """Find the least distance between bodies that may not touch.
+
+        Parameters
+        ----------
+        q : array_like, shape (n,) or (m, n)
+            Joint values (rad or m).
+
+        Returns
+        -------
+        Clearance
+            Of a batch arrays: distances (m,), a list of pairs of names, points (m, 2, 3).
+        """
+        rows = as_finite_values(self.chain, q)
+        if rows.ndim == 1:
+            return self.distances.nearest(rows)
+        flat = rows.reshape(-1, self.chain.n)
+        found = [self.distances.nearest(row) for row in flat]
+        shape = rows.shape[:-1]
+        distances = np.array([one.distance for one in found]).reshape(shape)
+        points = np.array([one.points for one in found]).reshape(*shape, 2, 3)
+        return Clearance(distances, [one.bodies for one in found], points)  # type: ignore[arg-type]
+
+    def is_free(self, q: npt.ArrayLike, *, clearance: float = 0.0) -> bool | BoolArray:
+        """Tell whether all bodies are farther apart than a clearance (m).
+
+        Parameters
+        ----------
+        q : array_like, shape (n,) or (m, n)
+            Joint values (rad or m); of a batch an array of bool comes back.
+        clearance : float
+        """
+        rows, least = as_finite_values(self.chain, q), checked_clearance(clearance)
+        if rows.ndim == 1:
+            return self.distances.contact(rows, least) is None
+        flat = rows.reshape(-1, self.chain.n)
+        free = [self.distances.contact(row, least) is None for row in flat]
+        return np.array(free, dtype=bool).reshape(rows.shape[:-1])
+
+    def check_motion(self, motion: Any, *, clearance: float = 0.0) -> MotionCheck:
+        """Prove that a motion is free of contact, between its samples too.
+
+        Parameters
+        ----------
+        motion : array_like, shape (m, n), or path or trajectory
+            Waypoints joined by straight lines in joint space (rad or m), or what this library
+            plans: a joint path, a trajectory, its samples, or a piecewise polynomial.
+        clearance : float
+            What bodies must be farther apart than (m).
+
+        Returns
+        -------
+        MotionCheck
+            Free and certified; or the first contact; or, where bodies pass each other by less
+            than a hundredth of a millimetre, neither contact nor proof.
+        """
+        return check_motion(self.chain, self.distances, motion, checked_clearance(clearance))
+
+    def plan(
+        self,
+        start: npt.ArrayLike,
+        goals: npt.ArrayLike,
+        *,
+        timeout: float = 5.0,
+        seed: int = 0,
+        clearance: float = 0.0,
+        planner: str = "RRTConnect",
+    ) -> PathPlan:
+        """Plan a path around all obstacles, every piece of it proved free of contact.
+
+        The same request gives the same path, unless time runs out.
+
+        Parameters
+        ----------
+        start : array_like, shape (n,)
+            Joint values (rad or m).  A start in contact may be left while the distance grows.
+        goals : array_like, shape (n,), (k, n) or (4, 4)
+            A posture, some of which one is enough, or a pose of the tip (m): of all its postures
+            one is enough.
+        timeout : float
+            s.
+        seed : int
+            Of the random samples.
+        clearance : float
+            What bodies must be farther apart than (m).
+        planner : str
+            One of OMPL: RRTConnect, and others of `PLANNERS`.
+
+        Raises
+        ------
+        MissingLibraryError
+            OMPL is not installed.
+        """
+        request = PlanRequest(timeout, seed, checked_clearance(clearance), planner)
+        return plan_path(self, start, goals, request)
+
+    @cached_property
+    def distances(self) -> Distances:
+        """Distances of all pairs that are checked, as the scene is now."""
+        links = self._places.links
+        placed = []
+        for link, body, pose, spheres, around in self._links:
+            place = links[link]
+            placed.append(
+                PlacedBody(link, place.frame, place.pose @ pose, body, spheres, around)
+            )
+        world = []
+        for one in self._objects.values():
+            for _, body, pose in one.parts:
+                if one.link:
+                    place = links[one.link]
+                    there = place.pose @ one.pose @ pose
+                    placed.append(PlacedBody(one.name, place.frame, there, body, *_covered(body)))
+                else:
+                    there = one.pose @ pose
+                    world.append(PlacedBody(one.name, 0, there, body, _NO_SPHERES, _around(body)))
+
+        def checked(first: PlacedBody, second: PlacedBody) -> bool:
+            return first.owner != second.owner and not self._reason(first.owner, second.owner)
+
+        return Distances(self._places.joints, [*placed, *world], checked, self.padding)
+
+    def _reason(self, first: str, second: str) -> str:
+        """Say why two bodies are not checked; empty if they are."""
+        why = self._allowed.get(frozenset((first, second)))
+        if why:
+            return why
+        frames = []
+        for name, other in ((first, second), (second, first)):
+            one = self._objects.get(name)
+            link = one.link if one is not None else name
+            if one is not None and one.link and (other == one.link or other in one.touch_links):
+                return "a link may touch what it carries"
+            frames.append(self._places.links[link].frame if link else 0)
+        return "nothing moves them against each other" if frames[0] == frames[1] else ""
+
+    def _ignore(self, semantic: SemanticDescription | None) -> None:
+        """Ignore pairs that the SRDF names, adjacent ones, and those that always touch."""
+        for one in semantic.disabled_collisions if semantic else ():
+            why = f"disabled in the SRDF ({one.reason or 'no reason given'})"
+            self._allowed[frozenset((one.first, one.second))] = why
+        with_shapes = {link for link, *_ in self._links}
+        for pair in adjacent_links(self.chain.description, with_shapes):
+            self._allowed.setdefault(pair, "adjacent")
+        self._changed()
+        chain, found = self.chain, self.distances
+        lower = np.where(np.isfinite(chain.lower), chain.lower, -np.pi)
+        upper = np.where(np.isfinite(chain.upper), chain.upper, np.pi)
+        always = set(range(len(found.numbers)))
+        for q in np.random.default_rng(0).uniform(lower, upper, (_POSTURES, chain.n)):
+            if not always:
+                break
+            always = found.touching(q, always)
+        for pair in always:
+            why = f"in contact at all of {_POSTURES} random postures"
+            self._allowed.setdefault(frozenset(found.names(pair)), why)
+        self._changed()
+
+    def _place(self) -> None:
+        self._places = place_links(self.chain, self._others)
+        self._changed()
+
+    def _change(self, objects: dict[str, SceneObject]) -> None:
+        self._objects = objects
+        self._changed()
+
+    def _changed(self) -> None:
+        self.__dict__.pop("distances", None)
+
+    def _object(self, name: str) -> SceneObject:
+        if name not in self._objects:
+            known = ", ".join(self._objects) or "none, since there are none"
+            raise BadValueError("name of an object", name, f"one of {known}")
+        return self._objects[name]
+
+    def _known(self, link: str) -> str:
+        check_name("link", link)
+        if bare_link(link) not in self._places.links:
+            raise UnknownLinkError(bare_link(link), self._places.links)
+        return bare_link(link)
+
+
+def checked_clearance(value: float) -> float:
+    """Check a distance that bodies must keep (m)."""
+    return finite_within("clearance", value, "0 to 10 m", 0.0, 10.0)
+
+
+def _chain(robot: Any, base: str | None, tip: str | None) -> SerialChain:
+    if isinstance(robot, SerialChain):
+        if base or tip:
+            raise BadValueError("base and tip", (base, tip), "none beside a chain, which has its own")
+        return robot
+    if isinstance(robot, RobotDescription):
+        return robot.chain(base, tip)
+    return load_robot(robot, base, tip)
+
+
+def _semantic(given: Any, description: RobotDescription | None) -> SemanticDescription | None:
+    if given is None or isinstance(given, SemanticDescription):
+        return given
+    if description is None:
+        raise BadValueError("srdf", given, "none for a chain without a description")
+    return load_srdf(given, description)
+
+
+def _parts(shape: Shapes) -> tuple[tuple[Shape, Body, Array], ...]:
+    given = [(shape, np.eye(4))] if isinstance(shape, Shape) else list(shape)
+    parts = []
+    for one, pose in given:
+        if not isinstance(one, Shape):
+            raise BadValueError("shape", one, "a Box, Sphere, Cylinder, Capsule, Cone, Plane or Mesh")
+        parts.append((one, one.body(), as_pose(pose, what="pose of a shape")))
+    if not parts:
+        raise BadValueError("shape", shape, "at least one")
+    return tuple(parts)
+
+
+def _carrier(carried: SceneObject, link: str) -> str:
+    if any(isinstance(shape, Plane) for shape, _, _ in carried.parts):
+        raise BadValueError("object", carried.name, "one without planes, which have no end")
+    return link
+
+
+def _covered(body: Body, most: int = _MOST_SPHERES) -> tuple[Array, Array]:
+    return cover(body.corners, body.radius, most)
+
+
+def _around(body: Body) -> Array:
+    """Return the sphere around an object: none is needed around a simple shape."""
+    if body.exact:
+        return _POINT
+    middle = 0.5 * (body.corners.min(axis=0) + body.corners.max(axis=0))
+    return np.append(middle, np.linalg.norm(body.corners - middle, axis=1).max())

@@ -1,0 +1,371 @@
+"""Shapes of bodies: simple ones, and meshes."""
+
+from __future__ import annotations
+
+import math
+import os
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros._kernels.collision.shapes import (
+    BALL,
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    HALF_SPACE,
+    SPHERES,
+)
+from robomech_ros.collision.convex_parts import convex_parts, is_closed
+from robomech_ros.collision.libraries import coal
+from robomech_ros.errors import BadValueError
+from robomech_ros.robots.joint import rotation_from_z
+from robomech_ros.robots.urdf.mesh_files import MeshError
+from robomech_ros.spatial.arrays import as_single, check_finite, finite_within, real_array
+from robomech_ros.typing import Array, IntArray
+
+# Lengths of shapes (m); others are hardly meant.
+SMALLEST, LARGEST = 1e-6, 1e4
+# Convex parts of a link whose mesh is not convex, and half the length (m) of one that is small.
+_MOST_PARTS, _SMALL = 8, 0.05
+# Sides of the prism around a cylinder.
+_SIDES = 16
+
+
+class Body(NamedTuple):
+    """What distances of a shape are computed from, all in the frame of the shape (m).
+
+    Attributes
+    ----------
+    geometry : coal.CollisionGeometry
+    corners : ndarray, shape (k, 3)
+        The body is inside their convex hull, or within ``radius`` of it.
+    radius : float
+    kind : int
+        The simple shape that the body is, or that is around it; see `_kernels.collision`.
+    sizes : tuple of three float
+        Of that shape.
+    pose : ndarray, shape (4, 4)
+        Of that shape.
+    exact : bool
+        Whether the body is that shape.
+    surface : coal.CollisionGeometry or None
+        Of an object's mesh that is not convex; it counts where the hull, ``geometry``, is in contact.
+    triangles : ndarray, shape (m, 3, 3), or None
+        Of that surface (m).
+    """
+
+    geometry: Any
+    corners: Array
+    radius: float = 0.0
+    kind: int = SPHERES
+    sizes: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    pose: Array = np.eye(4)  # noqa: RUF012
+    exact: bool = True
+    surface: Any = None
+    triangles: Array | None = None
+
+    def encloses(self, point: Array) -> bool:
+        """Whether a surface of triangles goes around a point: by the solid angles it sees."""
+        if self.triangles is None:
+            return False
+        local = self.pose[:3, :3].T @ (point - self.pose[:3, 3])
+        if (np.abs(local) > self.sizes).any():
+            return False
+        a, b, c = (self.triangles[:, k] - point for k in range(3))
+        x, y, z = (np.linalg.norm(side, axis=1) for side in (a, b, c))
+        volume = np.einsum("ij,ij->i", a, np.cross(b, c))
+        dots = [np.einsum("ij,ij->i", u, v) for u, v in ((a, b), (b, c), (c, a))]
+        whole = x * y * z + dots[0] * z + dots[1] * x + dots[2] * y
+        return abs(float(np.arctan2(volume, whole).sum())) > math.pi
+
+
+class Shape(ABC):
+    """A shape with a frame of its own."""
+
+    @abstractmethod
+    def body(self) -> Body:
+        """Return what distances are computed from."""
+
+
+@dataclass(frozen=True)
+class Box(Shape):
+    """A box about the origin, with its full lengths along x, y and z (m)."""
+
+    x: float
+    y: float
+    z: float
+
+    def __post_init__(self) -> None:
+        _check_lengths(self, "x", "y", "z")
+
+    def body(self) -> Body:
+        half = 0.5 * np.array([self.x, self.y, self.z])
+        signs = np.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
+        geometry = coal().Box(self.x, self.y, self.z)
+        return Body(geometry, signs * half, 0.0, BOX, tuple(half.tolist()))
+
+
+@dataclass(frozen=True)
+class Sphere(Shape):
+    """A sphere about the origin (m)."""
+
+    radius: float
+
+    def __post_init__(self) -> None:
+        _check_lengths(self, "radius")
+
+    def body(self) -> Body:
+        geometry = coal().Sphere(self.radius)
+        return Body(geometry, np.zeros((1, 3)), self.radius, BALL, (self.radius, 0.0, 0.0))
+
+
+@dataclass(frozen=True)
+class Cylinder(Shape):
+    """A cylinder along z, the origin in its middle (m)."""
+
+    radius: float
+    height: float
+
+    def __post_init__(self) -> None:
+        _check_lengths(self, "radius", "height")
+
+    def body(self) -> Body:
+        ring = _ring(self.radius, -0.5 * self.height)
+        corners = np.concatenate([ring, ring + [0.0, 0.0, self.height]])
+        geometry = coal().Cylinder(self.radius, self.height)
+        return Body(geometry, corners, 0.0, CYLINDER, (self.radius, 0.5 * self.height, 0.0))
+
+
+@dataclass(frozen=True)
+class Capsule(Shape):
+    """All points within a radius of a line along z, the origin in its middle (m).
+
+    The height is that of the line, without the two half spheres.
+    """
+
+    radius: float
+    height: float
+
+    def __post_init__(self) -> None:
+        _check_lengths(self, "radius", "height")
+
+    def body(self) -> Body:
+        half = 0.5 * self.height
+        corners = np.array([[0.0, 0.0, -half], [0.0, 0.0, half]])
+        geometry = coal().Capsule(self.radius, self.height)
+        return Body(geometry, corners, self.radius, CAPSULE, (self.radius, half, 0.0))
+
+
+@dataclass(frozen=True)
+class Cone(Shape):
+    """A cone along z, its tip up, the origin halfway up (m)."""
+
+    radius: float
+    height: float
+
+    def __post_init__(self) -> None:
+        _check_lengths(self, "radius", "height")
+
+    def body(self) -> Body:
+        half = 0.5 * self.height
+        corners = np.concatenate([_ring(self.radius, -half), [[0.0, 0.0, half]]])
+        geometry = coal().Cone(self.radius, self.height)
+        sizes = (self.radius, half, 0.0)
+        return Body(geometry, corners, 0.0, CYLINDER, sizes, exact=False)
+
+
+@dataclass(frozen=True, eq=False)
+class Plane(Shape):
+    """All points x with ``normal . x <= offset`` (m): the floor has the normal (0, 0, 1)."""
+
+    normal: Array
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        normal = as_single("normal", self.normal, (3,))
+        length = float(np.linalg.norm(normal))
+        if not length > SMALLEST:
+            raise BadValueError("normal", normal.tolist(), "a vector that is not zero")
+        expected = f"at most {LARGEST:g} m to either side"
+        offset = finite_within("offset", self.offset, expected, -LARGEST, LARGEST)
+        object.__setattr__(self, "normal", normal / length)
+        object.__setattr__(self, "offset", offset / length)
+
+    def body(self) -> Body:
+        pose = rotation_from_z(self.normal)
+        pose[:3, 3] = self.offset * self.normal
+        geometry = coal().Halfspace(self.normal, self.offset)
+        return Body(geometry, pose[None, :3, 3], 0.0, HALF_SPACE, pose=pose)
+
+
+class Mesh(Shape):
+    """Triangles, from a file or as arrays, and all that they enclose.
+
+    Distances are those of the convex hull where it is apart from the other body, else those of the
+    triangles.
+
+    Parameters
+    ----------
+    path_or_vertices : path or array_like, shape (k, 3)
+        A file that coal can read (STL, OBJ, DAE, PLY and more), or vertices (m).
+    faces : array_like of int, shape (m, 3), optional
+        The vertices of each triangle.
+    scale : array_like, shape (3,), optional
+        Factors along x, y and z.
+    Raises
+    ------
+    MeshError
+        The file cannot be read, or has no triangles.
+    """
+
+    def __init__(
+        self,
+        path_or_vertices: str | os.PathLike[str] | npt.ArrayLike,
+        faces: npt.ArrayLike | None = None,
+        *,
+        scale: npt.ArrayLike = (1.0, 1.0, 1.0),
+    ) -> None:
+        factors = as_single("scale", scale, (3,))
+        if not (np.abs(factors) > SMALLEST).all():
+            raise BadValueError("scale", factors.tolist(), "three factors that are not 0")
+        if isinstance(path_or_vertices, str | os.PathLike):
+            if faces is not None:
+                raise BadValueError("faces", "given", "none beside a path")
+            self.name = str(path_or_vertices)
+            self._mesh = _read(Path(path_or_vertices), factors)
+        else:
+            self.name = "mesh"
+            self._mesh = _built(path_or_vertices, faces, factors)
+        size = float(np.ptp(self.vertices, axis=0).max())
+        if not SMALLEST < size < LARGEST:
+            expected = f"{SMALLEST:g} to {LARGEST:g} m; a scale of 0.001 reads millimetres"
+            raise BadValueError(f"size of {self.name}", size, expected)
+
+    @property
+    def vertices(self) -> Array:
+        """Vertices (m), shape (k, 3)."""
+        vertices: Array = self._mesh.vertices()
+        return vertices
+
+    @property
+    def faces(self) -> IntArray:
+        """The vertices of each triangle, shape (m, 3)."""
+        triangles = (self._mesh.tri_indices(k) for k in range(self._mesh.num_tris))
+        return np.array([[one[0], one[1], one[2]] for one in triangles])
+
+    def parts(self) -> list[Body]:
+        """Return convex bodies that hold all that the mesh encloses.
+
+        It is one, the hull, if the mesh is convex or small, or no closed surface, so that nobody can
+        say what it encloses.
+        """
+        whole = self.body()
+        triangles = whole.triangles
+        if triangles is None or max(whole.sizes) < _SMALL or not is_closed(triangles):
+            return [whole._replace(surface=None, triangles=None)]
+        return [_hull(corners) for corners in convex_parts(triangles, _MOST_PARTS)]
+
+    def body(self) -> Body:
+        try:
+            self._mesh.buildConvexHull(True, "Qt")
+            hull = self._mesh.convex
+        except Exception as error:
+            expected = "a mesh with a volume; a thin box stands for a plate"
+            raise BadValueError(self.name, "flat", expected) from error
+        corners = hull.points()
+        vertices, faces = self.vertices, self.faces
+        found = Body(hull, corners, 0.0, *_box_around(corners), exact=False)
+        if _is_convex(vertices, faces, corners):
+            return found
+        return found._replace(surface=self._mesh, triangles=vertices[faces])
+
+
+def _check_lengths(shape: Any, *names: str) -> None:
+    for name in names:
+        expected = f"{SMALLEST:g} to {LARGEST:g} m"
+        value = finite_within(name, getattr(shape, name), expected, SMALLEST, LARGEST)
+        object.__setattr__(shape, name, value)
+
+
+def _ring(radius: float, height: float) -> Array:
+    """Return the corners of a polygon around a circle."""
+    turns = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
+    wider = radius / math.cos(math.pi / _SIDES)
+    return np.column_stack([wider * np.cos(turns), wider * np.sin(turns), [height] * _SIDES])
+
+
+def _read(path: Path, scale: Array) -> Any:
+    if not path.is_file():
+        raise MeshError(str(path), "is not there")
+    try:
+        mesh = coal().MeshLoader().load(str(path), scale)
+    except Exception as error:
+        # Its readers raise whatever their formats suggest.
+        text = str(error).partition("message: ")[2].strip().replace("\n", "; ")
+        raise MeshError(str(path), f"cannot be read ({text[:200]})") from None
+    if not mesh.num_tris or not np.isfinite(mesh.vertices()).all():
+        raise MeshError(str(path), "has no triangles, or vertices that are not finite")
+    return mesh
+
+
+def _built(vertices: npt.ArrayLike, faces: npt.ArrayLike | None, scale: Array) -> Any:
+    points = real_array("vertices", vertices)
+    if points.ndim != 2 or points.shape[1:] != (3,):
+        raise BadValueError("vertices", points.shape, "an array (k, 3)")
+    check_finite("vertices", points)
+    points = points * scale
+    triangles = np.asarray(faces if faces is not None else np.empty((0, 3)))
+    if triangles.ndim != 2 or triangles.shape[1:] != (3,) or not len(triangles):
+        raise BadValueError("faces", triangles.shape, "an array (m, 3) of indices of vertices")
+    if triangles.dtype.kind not in "iu" or triangles.min() < 0 or triangles.max() >= len(points):
+        raise BadValueError("faces", "indices", f"integers from 0 to {len(points) - 1}")
+    library = coal()
+    listed, indices = library.StdVec_Vec3s(), library.StdVec_Triangle()
+    for point in points:
+        listed.append(point)
+    for a, b, c in triangles.tolist():
+        indices.append(library.Triangle(a, b, c))
+    mesh = library.BVHModelOBBRSS()
+    mesh.beginModel(len(triangles), len(points))
+    mesh.addSubModel(listed, indices)
+    mesh.endModel()
+    return mesh
+
+
+def _box_around(corners: Array) -> tuple[int, tuple[float, float, float], Array]:
+    """Return a narrow box around points: its kind, half its sizes, and its pose."""
+    middle = corners.mean(axis=0)
+    boxes = []
+    for axes in (np.eye(3), np.linalg.svd(corners - middle, full_matrices=False)[2]):
+        turn = axes.T if np.linalg.det(axes) > 0.0 else axes.T * [1.0, 1.0, -1.0]
+        along = corners @ turn
+        low, high = along.min(axis=0), along.max(axis=0)
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = turn, turn @ (0.5 * (low + high))
+        half = 0.5 * (high - low) + SMALLEST
+        boxes.append((float(half.prod()), tuple(half.tolist()), pose))
+    _, sizes, pose = min(boxes, key=lambda box: box[0])
+    return BOX, sizes, pose
+
+
+def _hull(corners: Array) -> Body:
+    points = coal().StdVec_Vec3s()
+    for corner in corners:
+        points.append(corner)
+    hull = coal().Convex.convexHull(points, True, "Qt")
+    return Body(hull, corners, 0.0, *_box_around(corners), exact=False)
+
+
+def _is_convex(vertices: Array, faces: IntArray, corners: Array) -> bool:
+    """Whether a mesh is the surface of its convex hull."""
+    from scipy.spatial import ConvexHull
+
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    middle = corners.mean(axis=0)
+    volume = float(np.einsum("ij,ij->i", a - middle, np.cross(b - middle, c - middle)).sum()) / 6.0
+    return abs(volume) > (1.0 - 1e-6) * float(ConvexHull(corners).volume)
