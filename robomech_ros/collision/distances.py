@@ -17,7 +17,7 @@ from robomech_ros.collision.shapes import Body
 from robomech_ros.typing import Array, IntArray
 
 _near_pairs = direct(near_pairs)
-_NO_PAIRS = np.empty((0, 4))
+_NO_PAIRS = np.empty((0, 5))
 
 
 class PlacedBody(NamedTuple):
@@ -109,6 +109,9 @@ class Distances:
             pairs,
         )
         self.numbers: IntArray = pairs[:, :2].astype(np.int64)
+        # Where the pairs of each group begin.
+        starts = np.flatnonzero(np.diff(pairs[:, 4], prepend=-1.0, append=-1.0))
+        self.groups: list[int] = starts.tolist()
         self._functions: dict[int, Any] = {}
         self._request, self._result = coal().DistanceRequest(), coal().DistanceResult()
         flag = coal().CollisionRequestFlag.NO_REQUEST
@@ -185,7 +188,7 @@ class Distances:
         self._result.clear()
         function = self._surfaces[pair][0]
         apart: float = function(self._first, self._second, self._request, self._result)
-        return apart - self._padding[pair]
+        return apart - self.padding[pair]
 
     def of_hulls(self, pair: int, turns: Array, origins: Array, row: int) -> float:
         """Compute the distance of the convex hulls of a pair (m)."""
@@ -201,7 +204,7 @@ class Distances:
         second.setTranslation(origins[row + 1])
         result.clear()
         distance: float = function(first, second, self._request, result)
-        return distance - self._padding[pair]
+        return distance - self.padding[pair]
 
     def has_surfaces(self, pair: int) -> bool:
         """Whether one of a pair is a mesh that is not convex."""
@@ -212,7 +215,7 @@ class Distances:
     ) -> bool:
         """Whether the surfaces of a pair, where `of_hulls` has put them, are as near as this (m)."""
         function = self._surfaces[pair][1]
-        self._contact_request.security_margin = distance + self._padding[pair]
+        self._contact_request.security_margin = distance + self.padding[pair]
         self._contact_result.clear()
         if function(self._first, self._second, self._contact_request, self._contact_result):
             return True
@@ -225,7 +228,8 @@ class Distances:
         return False
 
     @cached_property
-    def _padding(self) -> list[float]:
+    def padding(self) -> list[float]:
+        """By how much (m) each pair counts as nearer than it is."""
         padding: list[float] = self.tables[6][:, 3].tolist()
         return padding
 
@@ -265,7 +269,7 @@ def _pairs(
     for i, parent in enumerate(joints[:, 0].astype(int).tolist()):
         order[i + 1] = [i + 1, *order[parent]]
         above[i + 1] = set(order[i + 1])
-    rows = []
+    rows, owners = [], []
     for i, one in enumerate(placed):
         if not len(one.spheres):
             break
@@ -275,4 +279,8 @@ def _pairs(
                 continue
             common = next(k for k in order[one.frame] if k in above[other.frame])
             rows.append((i, j, common, 0.0 if len(other.spheres) else padding))
-    return np.array(rows, dtype=np.float64) if rows else _NO_PAIRS
+            owners.append((one.owner, other.owner))
+    groups = {two: k for k, two in enumerate(dict.fromkeys(owners))}
+    numbered = [(*row, groups[two]) for row, two in zip(rows, owners, strict=True)]
+    numbered.sort(key=lambda row: row[4])
+    return np.array(numbered, dtype=np.float64) if rows else _NO_PAIRS

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from robomech_ros._kernels.collision.bounds import CONTACT, FREE, pair_part, sweep
+from robomech_ros._kernels.collision.bounds import CONTACT, FREE, group_part, sweep
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros.collision.distances import Distances
 from robomech_ros.errors import BadValueError
@@ -27,7 +27,7 @@ from robomech_ros.trajectory.curves.bounds import hull
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.typing import Array
 
-_sweep, _pair_part = direct(sweep), direct(pair_part)
+_sweep, _group_part = direct(sweep), direct(group_part)
 # Bodies that move by less (m) are looked at by coal where spheres do not decide.
 _STEP = 0.03
 # Below this travel (m) a part is not halved any more, and a contact is found well enough.
@@ -76,6 +76,19 @@ class Obstruction(NamedTuple):
     contact: bool
 
 
+class _Middle(NamedTuple):
+    """What distances say in the middle of a part of a motion.
+
+    A pair in contact, or -1; pairs that may be before or after the middle; how far these (or that)
+    can move on half the part (m); and on what share of the half all are surely apart.
+    """
+
+    contact: int
+    unclear: list[int]
+    travel: float
+    share: float
+
+
 class MotionProof:
     """Proves pieces of motions.
 
@@ -90,16 +103,18 @@ class MotionProof:
         self._distances = distances
         self._clearance = clearance
         self.least = math.inf
-        joints, bodies, around, spheres, shapes, placed, pairs = distances.tables
-        self._all = np.arange(len(pairs))
-        self._pair_tables = joints, bodies, spheres, placed, pairs
+        joints, bodies, _, spheres, shapes, placed, pairs = distances.tables
+        count = len(pairs)
+        self._all = np.arange(count)
+        self._tables = joints, bodies, spheres, shapes, placed, pairs
         self._limits = np.array([clearance, _STEP])
         self._found = np.zeros(4)
         self._parts = np.zeros((_PLACES, 2))
-        self._pairs = np.zeros(_PLACES, dtype=np.int64)
-        self._travel = np.zeros(1 + (int(joints[:, 2].max()) + 1 if len(joints) else 0))
-        self._poses = np.zeros((2, 12))
-        self._turns, self._origins = self._poses[:, :9].reshape(2, 3, 3), self._poses[:, 9:]
+        self._groups = np.zeros(_PLACES, dtype=np.int64)
+        self._pairs = np.zeros(count, dtype=np.int64)
+        self._travel, self._low = np.zeros((2, count))
+        self._poses = np.zeros((2 * count, 12))
+        self._turns, self._origins = self._poses[:, :9].reshape(-1, 3, 3), self._poses[:, 9:]
 
     def obstruction(self, curve: Array, *, first: bool = True) -> Obstruction | None:
         """Find where a curve, as Bernstein coefficients (d + 1, n), is not free; None if it is.
@@ -138,26 +153,18 @@ class MotionProof:
             self._limits,
             self._found,
             self._parts,
-            self._pairs,
+            self._groups,
         )
         return status
 
     def _settled(self, curve: Array, count: int, first: bool) -> Obstruction | None:
-        """Look at the parts that spheres have left open.
-
-        For the first obstruction that is in their order; for any, meshes come last, as they take
-        longest.
-        """
+        """Look at the parts that spheres have left open, in their order."""
         best: Obstruction | None = None
-        order = range(count)
-        if not first and count:
-            slow = [self._distances.has_surfaces(pair) for pair in self._pairs[:count].tolist()]
-            order = sorted(order, key=slow.__getitem__)
-        for k in order:
+        for k in range(count):
             begin, end = self._parts[k].tolist()
             if best is not None and begin >= best.at:
                 break
-            found = self._look(curve, begin, end, int(self._pairs[k]), first)
+            found = self._look(curve, begin, end, int(self._groups[k]), first)
             if found is not None and (best is None or found.at < best.at):
                 best = found
                 if not first:
@@ -165,41 +172,71 @@ class MotionProof:
         return best
 
     def _look(
-        self, curve: Array, begin: float, end: float, pair: int, first: bool
+        self, curve: Array, begin: float, end: float, group: int, first: bool
     ) -> Obstruction | None:
-        """Prove a part for one pair by distances in the middle of ever smaller parts."""
+        """Prove a part for a group by distances in the middle of ever smaller parts."""
         best: Obstruction | None = None
-        waiting = [(begin, end)]
-        part, travel = np.empty(2), self._travel
+        ends = self._distances.groups[group : group + 2]
+        waiting = [(begin, end, self._all[ends[0] : ends[1]])]
+        straight = len(curve) == 2
+        part = np.empty(2)
         while waiting:
-            part[0], part[1] = low, high = waiting.pop()
+            low, high, tested = waiting.pop()
+            part[0], part[1] = low, high
             if best is not None and low >= best.at:
                 continue
-            _pair_part(*self._pair_tables, pair, curve, part, travel, self._poses)
-            poses = self._turns, self._origins, 0
-            distance, middle = self._distances.of_hulls(pair, *poses), 0.5 * (low + high)
-            needed = travel[0] + self._clearance + _UNCERTAIN
+            count = _group_part(
+                *self._tables,
+                tested,
+                len(tested),
+                curve,
+                part,
+                self._clearance,
+                self._pairs,
+                self._travel,
+                self._low,
+                self._poses,
+            )
+            middle, half = 0.5 * (low + high), 0.5 * (high - low)
+            found = self._middle(count)
+            if found.contact >= 0:
+                best = Obstruction(middle, found.contact, True)
+                if first and found.travel >= _FIRST:
+                    waiting.append((low, middle, tested))
+            elif found.unclear and found.travel >= RESOLUTION:
+                # On a straight motion what is proved reaches as far to both sides as it goes.
+                proved = half * found.share if straight else 0.0
+                left = np.array(found.unclear)
+                waiting += [(middle + proved, high, left), (low, middle - proved, left)]
+            elif found.unclear and (best is None or middle < best.at):
+                best = Obstruction(middle, found.unclear[0], False)
+        return best
+
+    def _middle(self, count: int) -> _Middle:
+        """Look at pairs where `group_part` has put them."""
+        distances, unclear, largest, share = self._distances, list[int](), 0.0, 1.0
+        for k in range(count):
+            pair, travel = int(self._pairs[k]), float(self._travel[k])
+            needed = travel + self._clearance + _UNCERTAIN
+            if self._low[k] - distances.padding[pair] > needed:
+                continue
+            place = self._turns, self._origins, 2 * k
+            distance = distances.of_hulls(pair, *place)
             contact = distance <= self._clearance
-            if distance <= needed and self._distances.has_surfaces(pair):
-                if not self._distances.surfaces_within(pair, needed, *poses):
+            if distance <= needed and distances.has_surfaces(pair):
+                if not distances.surfaces_within(pair, needed, *place):
                     self.least = min(self.least, needed)
                     continue
-                contact = self._distances.surfaces_within(pair, self._clearance, *poses)
-                distance = self._clearance if contact else min(needed, max(distance, 0.0))
+                contact = distances.surfaces_within(pair, self._clearance, *place)
+                distance = self._clearance
             self.least = min(self.least, distance)
-            if distance > needed:
-                continue
             if contact:
-                best = Obstruction(middle, pair, True)
-                if not first or travel[0] < _FIRST:
-                    continue
-                waiting.append((low, middle))
-            elif travel[0] < RESOLUTION:
-                if best is None or middle < best.at:
-                    best = Obstruction(middle, pair, False)
-            else:
-                waiting += [(middle, high), (low, middle)]
-        return best
+                return _Middle(pair, [], travel, 0.0)
+            if distance <= needed:
+                unclear.append(pair)
+                largest = max(largest, travel)
+                share = min(share, (distance - self._clearance - _UNCERTAIN) / travel)
+        return _Middle(-1, unclear, largest, max(share, 0.0))
 
 
 def check_motion(

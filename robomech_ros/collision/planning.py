@@ -45,6 +45,8 @@ _RANGE = 1.5
 _SLACK = 1e-6
 # How a contact at the start is left: step (rad or m), the most steps, random directions of each.
 _STEP, _STEPS, _DIRECTIONS = 0.02, 60, 24
+# Where a motion is looked at for contact before it is proved: first at its new end.
+_LOOKS = (0.0, 0.5, 0.25)
 # The random numbers of OMPL are the process's.
 _lock = threading.Lock()
 
@@ -183,8 +185,9 @@ class _Search:
             a, b = b, a
         curve = np.array([b, a])
         clearance = self._request.clearance
-        if tuple(b) not in self._free and self._distances.contact(curve[0], clearance) is not None:
-            return False
+        for share in _LOOKS[0 if tuple(b) not in self._free else 1 :]:
+            if self._distances.contact(curve[0] + share * (curve[1] - curve[0]), clearance) is not None:
+                return False
         if self._proof.obstruction(curve, first=False) is not None:
             return False
         self._free[tuple(b)] = None

@@ -1,1 +1,144 @@
-def timed_path(): ...
+"""Timing of a path around obstacles: a smooth curve where it stays free, proved as it is sent."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from robomech_ros.collision.scene import PlanningScene, checked_clearance
+from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.kinematics.joint_values import as_finite_values
+from robomech_ros.trajectory import (
+    SampledPlan,
+    discretise,
+    sampled_through_points,
+    verify,
+)
+from robomech_ros.trajectory.curves.motion_to_rest import MotionThrough
+from robomech_ros.trajectory.curves.piecewise import joined
+from robomech_ros.trajectory.plans.point_to_point import point_to_point, profile_named, scaled_limits
+from robomech_ros.trajectory.limits import JointLimits, Limits
+from robomech_ros.typing import Array
+
+# How often waypoints are added where a smooth curve leaves the free space, before it stops at each.
+_ROUNDS = 3
+# Where a waypoint is added on a straight piece, from both of its ends.
+_NEAR_ENDS = 0.2
+
+
+class NotFreeError(RobomechError):
+    """A path that is to be timed is not proved free of contact."""
+
+
+def timed_path(
+    scene: PlanningScene,
+    waypoints: npt.ArrayLike,
+    limits: JointLimits | Any = None,
+    *,
+    profile: str = "time_optimal",
+    clearance: float = 0.0,
+    period: float = 0.01,
+    max_points: int = 20_000,
+    velocity_scale: float = 1.0,
+    acceleration_scale: float = 1.0,
+    jerk_scale: float = 1.0,
+) -> SampledPlan:
+    """Time a path that is free of contact, and prove the curve that a controller makes of it.
+
+    The robot passes the waypoints on a smooth curve.  Where that would touch something, waypoints
+    are added on the straight lines between them; if that does not help, the robot stops at each.
+
+    Parameters
+    ----------
+    scene : PlanningScene
+    waypoints : array_like, shape (m, n)
+        Joint values (rad or m), as `PlanningScene.plan` gives them.
+    limits : JointLimits, optional
+        By default those of the scene's chain.
+    profile : str
+        As for `through_points`.
+    clearance : float
+        What bodies must be farther apart than (m).
+    period : float
+        Largest time between two samples (s).
+    max_points : int
+        The most samples there may be.
+    velocity_scale, acceleration_scale, jerk_scale : float
+        Part of each kind of limit that may be used, from 1e-6 to 1.
+
+    Returns
+    -------
+    SampledPlan
+        With the motion (``.trajectory``: ``.duration``, ``.sample(t)``) and its samples, whose
+        curve is within the limits and proved free.
+
+    Raises
+    ------
+    NotFreeError
+        The path itself is not free, or not proved.
+    """
+    checked_clearance(clearance)
+    chain = scene.chain
+    points = as_finite_values(chain, waypoints, "waypoints")
+    if points.ndim != 2 or len(points) < 2:
+        raise BadValueError("waypoints", points.shape, f"at least two, (m, {chain.n})")
+    allowed = Limits.of(chain if limits is None else limits)
+    scales = (velocity_scale, acceleration_scale, jerk_scale)
+    bounds = {"period": period, "max_points": max_points}
+    smooth = points
+    for _ in range(_ROUNDS if len(points) > 2 else 1):
+        try:
+            plan = sampled_through_points(
+                smooth,
+                limits=allowed,
+                profile=profile,
+                velocity_scale=velocity_scale,
+                acceleration_scale=acceleration_scale,
+                jerk_scale=jerk_scale,
+                **bounds,
+            )
+        except RobomechError:
+            if len(points) == 2:
+                raise
+            break
+        if scene.check_motion(plan.waypoints, clearance=clearance).certified:
+            return plan
+        smooth = _denser(smooth)
+    found = scene.check_motion(points, clearance=clearance)
+    if not found.certified:
+        names = " and ".join(f"'{name}'" for name in found.bodies)
+        what = "is not proved free of contact" if found.free else "is in contact"
+        raise NotFreeError(f"the path {what} at waypoint {found.parameter:.4g}: {names}")
+    method = profile_named(profile)
+    tight = scaled_limits(allowed, method, *scales)
+    plan = _with_stops(points, tight, profile, bounds)
+    if not scene.check_motion(plan.waypoints, clearance=clearance).certified:
+        raise NotFreeError("the samples of the path come nearer than the path itself; take more")
+    return plan
+
+
+def _denser(points: Array) -> Array:
+    """Add two waypoints to each straight piece, near its ends, so that a curve keeps to it."""
+    steps = np.diff(points, axis=0)
+    rows = [points[:-1], points[:-1] + _NEAR_ENDS * steps, points[1:] - _NEAR_ENDS * steps]
+    between = np.stack(rows, axis=1).reshape(-1, points.shape[1])
+    return np.concatenate([between, points[-1:]])
+
+
+def _with_stops(points: Array, limits: Limits, profile: str, bounds: dict[str, Any]) -> SampledPlan:
+    """Go straight from waypoint to waypoint, at rest at each."""
+    inner = limits.with_margin
+    pieces = [
+        point_to_point(a, b, limits=inner, profile=profile).pieces
+        for a, b in zip(points[:-1], points[1:], strict=True)
+        if np.abs(b - a).max() > 0.0
+    ]
+    curve = joined(pieces)
+    knots = np.append(0.0, np.cumsum([piece.breaks[-1] for piece in pieces]))
+    motion = MotionThrough(points[-1], curve, knots)
+    waypoints = discretise(motion, bounds["period"], bounds["max_points"])
+    verification = verify(waypoints, limits, start=points[0])
+    verification.require_ok()
+    return SampledPlan(motion, waypoints, verification)

@@ -5,9 +5,10 @@ and radius of both.  Rows of ``bodies`` (b, 5) have the frame that the body move
 sphere and the one after its last, the kind of simple shape that it is or lies in (``SPHERES``: none)
 and 1 where it is that shape exactly; rows of ``around`` (b, 4) a sphere around all of it.  Centres
 are in the frame.  Rows of ``shapes`` (b, 15) hold pose and sizes of the simple shape, rows of
-``placed`` (b, 12) the pose of the body itself, both in the frame.  Rows of ``pairs`` (p, 4) have the
+``placed`` (b, 12) the pose of the body itself, both in the frame.  Rows of ``pairs`` (p, 5) have the
 two bodies, of which the first has spheres, the frame before the first joint that moves them against
-each other, and by how much (m) the pair counts as nearer than it is.
+each other, by how much (m) the pair counts as nearer than it is, and the number of its group: the
+pairs of bodies of the same two links or objects, which stand one behind the other.
 """
 
 import math
@@ -31,6 +32,7 @@ from robomech_ros._kernels.compiling.jit import (
     IOUT1,
     OUT1,
     OUT2,
+    f8,
     i8,
     kernel,
     lean,
@@ -255,12 +257,12 @@ def _halve(curve, left, right):
 
 @kernel(i8(IN2, IN2, IN2, IN2, IN2, IN2, IN2, IIN1, i8, IN2, IN1, OUT1, OUT2, IOUT1))
 def sweep(
-    joints, bodies, around, spheres, shapes, placed, pairs, tested, count, curve, limits, found, open_parts, open_pairs
+    joints, bodies, around, spheres, shapes, placed, pairs, tested, count, curve, limits, found, open_parts, open_groups
 ):
     """Prove that pairs keep their distance on a curve (d + 1, n) of Bernstein type, from 0 to 1.
 
     Parts on which spheres do not decide, although a body moves by less than limits[1] (m) there,
-    are left to others: begin and end in open_parts, the pair in open_pairs.  The distance to keep is
+    are left to others: begin and end in open_parts, the group in open_groups.  The distance to keep is
     limits[0].  The first ``count`` of ``tested`` are the pairs.
 
     Returns FREE, CONTACT, or FULL where there are more open parts than places.  found (4,) is how
@@ -348,19 +350,23 @@ def sweep(
             depths[waiting], depths[waiting + 1] = depth + 1, depth + 1
             waiting += 2
             continue
-        if parts + kept > open_pairs.shape[0]:
+        if parts + kept > open_groups.shape[0]:
             found[0], found[1] = parts, begin
             return FULL
+        before = -1
         for i in range(kept):
-            open_parts[parts, 0], open_parts[parts, 1] = begin, end
-            open_pairs[parts] = lists[depth + 1, i]
-            parts += 1
+            group = int(pairs[lists[depth + 1, i], 4])
+            if group != before:
+                before = group
+                open_parts[parts, 0], open_parts[parts, 1] = begin, end
+                open_groups[parts] = group
+                parts += 1
     found[0], found[1] = parts, 1.0
     return FREE
 
 
 @lean
-def _cut(curve, begin, end, spare):
+def _cut(curve, begin, end):
     """Replace a curve (d + 1, n) of Bernstein type by its part from begin to end."""
     size = curve.shape[0]
     for k in range(curve.shape[1]):
@@ -373,37 +379,71 @@ def _cut(curve, begin, end, spare):
                 curve[e, k] += share * (curve[e + 1, k] - curve[e, k])
 
 
-@kernel(i8(IN2, IN2, IN2, IN2, IN2, i8, IN2, IN1, OUT1, OUT2))
-def pair_part(joints, bodies, spheres, placed, pairs, p, curve, part, most, poses):
-    """Write where the bodies of a pair are in the middle of a part of a curve, to poses (2, 12).
+@kernel(i8(IN2, IN2, IN2, IN2, IN2, IN2, IIN1, i8, IN2, IN1, f8, IOUT1, OUT1, OUT1, OUT2))
+def group_part(
+    joints,
+    bodies,
+    spheres,
+    shapes,
+    placed,
+    pairs,
+    tested,
+    size,
+    curve,
+    part,
+    keep,
+    found,
+    travel,
+    low,
+    poses,
+):
+    """Find which of the first ``size`` pairs of ``tested`` spheres do not decide on a part of a curve.
 
-    most[0] becomes how far a point of one can move against the other on the part; the middle of
-    the part is written behind it.
+    They are those that may come nearer than ``keep`` (m).  Returns how many there are, the nearest
+    first: their numbers in found, how far a point of one can move against the other on half the
+    part in travel, bounds of their distances in the middle in low, and where the bodies are there
+    in poses.
     """
-    size, n = curve.shape
-    whole, spare, other = curve.copy(), np.empty((size, n)), np.empty((size, n))
-    _cut(whole, part[0], part[1], spare)
-    middle = np.empty(n)
-    _halve(whole, spare, other)
-    middle[:] = other[0]
+    whole, middle, other = curve.copy(), np.empty(curve.shape), np.empty(curve.shape)
+    _cut(whole, part[0], part[1])
+    _halve(whole, middle, other)
     frames = np.empty((joints.shape[0] + 1, 12))
     rates = np.empty(joints.shape[0])
-    moved = np.empty(joints.shape[0] + 1)
-    place_frames(joints, middle, frames)
-    _joint_rates(joints, whole, middle, rates)
-    total = 0.0
-    for which in range(2):
-        b = int(pairs[p, which])
-        f = int(bodies[b, 0])
-        if f == 0:
+    place_frames(joints, other[0], frames)
+    _joint_rates(joints, whole, other[0], rates)
+    points = np.empty((spheres.shape[0], 6))
+    ready = np.zeros(bodies.shape[0], np.int64)
+    moved = np.zeros((spheres.shape[0], joints.shape[0] + 1))
+    wide = np.zeros((spheres.shape[0], joints.shape[0] + 1))
+    count = 0
+    for i in range(size):
+        p = tested[i]
+        a, b, c = int(pairs[p, 0]), int(pairs[p, 1]), int(pairs[p, 2])
+        for which in (a, b):
+            if ready[which]:
+                continue
+            _place_spheres(frames, bodies, spheres, which, ready, points)
+            f = int(bodies[which, 0])
+            for s in range(int(bodies[which, 1]), int(bodies[which, 2])):
+                x, y, z = points[s, 0], points[s, 1], points[s, 2]
+                _travel(joints, frames, f, x, y, z, 0.0, rates, moved[s])
+                _travel(joints, frames, f, x, y, z, spheres[s, 3], rates, wide[s])
+        least, moving, _ = _pair_bounds(bodies, spheres, shapes, points, moved, a, b, c)
+        if moving > keep + pairs[p, 3]:
             continue
-        largest = 0.0
-        for s in range(int(bodies[b, 1]), int(bodies[b, 2])):
-            x, y, z = _transformed(frames, f, spheres[s, 0], spheres[s, 1], spheres[s, 2])
-            _travel(joints, frames, f, x, y, z, spheres[s, 3], rates, moved)
-            largest = max(largest, moved[int(pairs[p, 2])])
-        total += largest
-    _write_poses(frames, bodies, placed, int(pairs[p, 0]), int(pairs[p, 1]), poses, 0)
-    most[0] = total
-    most[1 : 1 + n] = middle
-    return 0
+        total = 0.0
+        for which in (a, b):
+            largest = 0.0
+            for s in range(int(bodies[which, 1]), int(bodies[which, 2])):
+                largest = max(largest, wide[s, c])
+            total += largest
+        k = count
+        while k > 0 and low[k - 1] > least:
+            found[k], low[k], travel[k] = found[k - 1], low[k - 1], travel[k - 1]
+            k -= 1
+        found[k], low[k], travel[k] = p, least, total
+        count += 1
+    for k in range(count):
+        p = found[k]
+        _write_poses(frames, bodies, placed, int(pairs[p, 0]), int(pairs[p, 1]), poses, k)
+    return count
