@@ -11,7 +11,7 @@ import numpy as np
 
 from robomech_ros.collision.shapes import Box, Cone, Cylinder, Mesh, Plane, Shape, Sphere
 from robomech_ros.errors import BadValueError, RobomechError
-from robomech_ros.robots.documents.guarded_yaml import LARGEST_YAML, load_yaml
+from robomech_ros.robots.documents.guarded_yaml import LARGEST_YAML, parse_yaml
 from robomech_ros.robots.documents.source_files import read_source
 from robomech_ros.spatial import pose_from_position_quaternion
 from robomech_ros.typing import Array
@@ -30,7 +30,7 @@ def load_scene(scene: PlanningScene, given: Mapping[str, Any] | str | os.PathLik
     if not isinstance(given, Mapping):
         path = Path(given).expanduser()
         folder = path.resolve().parent
-        given = load_yaml(read_source(path, LARGEST_YAML), str(path))
+        given = parse_yaml(read_source(path, LARGEST_YAML), str(path))
         if not isinstance(given, Mapping):
             raise BadValueError("scene", given, "a mapping as MoveIt's PlanningScene")
     for one in _entries(_section(given, "world"), "collision_objects"):
