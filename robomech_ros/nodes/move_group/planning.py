@@ -31,7 +31,7 @@ from robomech_ros.nodes.moveit.motion_request import (
 from robomech_ros.nodes.moveit.serving import RejectedError, refused_as
 from robomech_ros.nodes.moveit.whole_robot import WholeRobot
 from robomech_ros.robots import SerialChain
-from robomech_ros.trajectory import Limits
+from robomech_ros.trajectory import Waypoints, sampled_through_points
 from robomech_ros.typing import Array
 
 _CODES = {
@@ -153,17 +153,44 @@ def _planned(
         found = plan_path(scene, start, goals, request)
     if found.status is not PlanStatus.SOLVED:
         raise RejectedError(_CODES[found.status], found.reason)
-    limits = Limits.of(chain)
-    scales = {
+    try:
+        timed = _timed(question, scene, found.waypoints, settings)
+    except MissingLimitsError as error:
+        raise NoLimitsForPlanError(error) from None
+    message = _message(question, timed, settings)
+    return message, time.monotonic() - begin, found.reason
+
+
+def _timed(
+    question: MotionRequest, scene: PlanningScene, path: Array, settings: MoveGroupSettings
+) -> Waypoints:
+    """Return the samples of a motion along a path (m, n) (rad or m), which is proved free.
+
+    Where a path begins in contact, only what follows after it is proved.
+    """
+    options = {
+        "period": settings.sample_period,
+        "max_points": settings.max_points,
         "velocity_scale": question.velocity_scale,
         "acceleration_scale": question.acceleration_scale,
     }
-    try:
-        curve = timed_path(scene, found.waypoints, limits, **scales)
-    except MissingLimitsError as error:
-        raise NoLimitsForPlanError(error) from None
-    message = _message(question, curve, settings)
-    return message, time.monotonic() - begin, found.reason
+    free = scene.is_free(path, clearance=settings.clearance)
+    left = int(np.argmax(free))
+    moves = timed_path(scene, path[left:], clearance=settings.clearance, **options).waypoints
+    if not left:
+        return moves
+    limits, profile = question.chain, "time_optimal"
+    leaves = sampled_through_points(path[: left + 1], limits=limits, profile=profile, **options)
+    return _joined(leaves.waypoints, moves)
+
+
+def _joined(first: Waypoints, second: Waypoints) -> Waypoints:
+    """Return two motions, of which the second starts where the first one ends at rest."""
+    rows = [
+        np.concatenate([getattr(first, name), getattr(second, name)[1:]])
+        for name in ("positions", "velocities", "accelerations")
+    ]
+    return Waypoints(np.append(first.times, first.times[-1] + second.times[1:]), *rows)
 
 
 def _at_limits(chain: SerialChain, q: Array, most: float) -> Array:
@@ -242,22 +269,21 @@ def _of_pose(target: PoseTarget, chain: SerialChain, start: Array) -> tuple[list
     return list(rows), result.reason, int(MoveItErrorCodes.NO_IK_SOLUTION)
 
 
-def _message(question: MotionRequest, curve: Any, settings: MoveGroupSettings) -> JointTrajectory:
-    """Sample a timed curve; slower, if a link would be too fast."""
-    count = math.ceil(curve.duration / settings.sample_period)
-    times = np.linspace(0.0, curve.duration, min(max(count, 1) + 1, settings.max_points))
-    sample = curve.sample(times)
-    slower = _slower(question, times, sample.position)
-    if slower * curve.duration > settings.max_duration:
-        reason = f"the motion takes {slower * curve.duration:.6g} s"
-        text = f"{reason}, up to {settings.max_duration:g} s are allowed by max_duration"
-        raise RejectedError(MoveItErrorCodes.PLANNING_FAILED, text)
+def _message(question: MotionRequest, timed: Waypoints, settings: MoveGroupSettings) -> Any:
+    """Make the message of a motion; slower, if a link would be too fast."""
+    assert timed.velocities is not None
+    assert timed.accelerations is not None
+    slower = _slower(question, timed.times, timed.positions)
+    duration = slower * float(timed.times[-1])
+    if duration > settings.max_duration:
+        text = f"the motion takes {duration:.6g} s, up to {settings.max_duration:g} s are allowed"
+        raise RejectedError(MoveItErrorCodes.PLANNING_FAILED, f"{text} by max_duration")
     return joint_trajectory(
         question.chain.joint_names,
-        times * slower,
-        sample.position,
-        sample.velocity / slower,
-        sample.acceleration / slower**2,
+        timed.times * slower,
+        timed.positions,
+        timed.velocities / slower,
+        timed.accelerations / slower**2,
     )
 
 

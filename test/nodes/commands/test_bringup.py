@@ -84,21 +84,30 @@ def test_bringup_assumes_limits_unless_it_is_told_otherwise():
 
 def test_the_servo_may_be_left_out():
     every, without = set(commands("--robot", "scara")), set(commands("--no-servo"))
-    assert every - without == {"servo"} and every == OF_ARMS - {"calibration", "rvs"}
+    assert every - without == {"servo"} and every == OF_ARMS - {"calibration", "rvs", "move_group"}
     assert set(LaunchOptions("scara", servo=False).commands()) == without
 
 
 def test_calibration_is_one_of_the_nodes_where_it_is_wanted():
     every = commands("--calibration", "--ros-args", "-p", "tracking_base_frame:=camera")
-    assert set(every) == OF_ARMS - {"rvs"}
+    assert set(every) == OF_ARMS - {"rvs", "move_group"}
     given = "tracking_base_frame:=camera"
     assert [node for node, command in every.items() if given in command] == ["calibration"]
+
+
+def test_move_group_is_one_of_the_nodes_where_it_is_wanted(tmp_path):
+    file = str(tmp_path / "limits.yaml")
+    every = commands("--move-group", "--joint-limits", file)
+    assert set(every) == OF_ARMS - {"calibration", "rvs"}
+    limited = f'joint_limits:="{file}"'
+    found = {node for node, command in every.items() if limited in command}
+    assert found == {"trajectory_planner", "move_group"}
 
 
 def test_the_view_is_one_of_the_nodes_where_it_is_wanted():
     given = ("--view", "--view-port", "0", "--view-host", "0.0.0.0")
     every = commands("--robot", "scara", *given)
-    assert list(every)[-1] == "rvs" and set(every) == OF_ARMS - {"calibration"}
+    assert list(every)[-1] == "rvs" and set(every) == OF_ARMS - {"calibration", "move_group"}
     for option in ("port:=0", 'host:="0.0.0.0"'):
         assert [node for node, command in every.items() if option in command] == ["rvs"]
     assert not [word for word in commands("--view")["rvs"] if word.startswith(("port:", "host:"))]
