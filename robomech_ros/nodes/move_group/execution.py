@@ -1,6 +1,7 @@
 """Execution of trajectories by the controller, for MoveIt's clients."""
 
 import math
+import time
 from collections.abc import Awaitable, Callable
 from typing import Any
 
@@ -81,9 +82,7 @@ class Execution:
         if not trajectory.points:
             return MoveItErrorCodes.SUCCESS, "the trajectory is empty"
         self._check_start(trajectory)
-        if not self._client.server_is_ready():
-            reason = f"the controller '{self._controller}' does not serve {FollowGoals.name}"
-            raise RejectedError(_CONTROL_FAILED, f"{reason}; start it, or set controller")
+        await self._while_there(self._client.server_is_ready)
         watch = MotionWatch(self._robot, self._scenes, trajectory)
         if reason := await watch.obstruction():
             raise RejectedError(_INVALIDATED, reason)
@@ -118,13 +117,24 @@ class Execution:
         self, future: Future, look: Callable[[], Awaitable[None]] | None = None
     ) -> Any:
         """Return the controller's answer; looks around while it is waited for."""
-        while not future.done():
-            if not self._client.server_is_ready():
-                raise RejectedError(_CONTROL_FAILED, f"the controller '{self._controller}' is gone")
+        await self._while_there(future.done, look)
+        return future.result()
+
+    async def _while_there(
+        self, done: Callable[[], bool], look: Callable[[], Awaitable[None]] | None = None
+    ) -> None:
+        """Wait until something is done; give up if the controller is missing for too long."""
+        patience, seen = self._settings().controller_timeout, time.monotonic()
+        while not done():
+            now = time.monotonic()
+            if self._client.server_is_ready():
+                seen = now
+            elif now - seen > patience:
+                reason = f"the controller '{self._controller}' does not serve {FollowGoals.name}"
+                raise RejectedError(_CONTROL_FAILED, f"{reason}; start it, or set controller")
             if look is not None:
                 await look()
             await pause(self._node)
-        return future.result()
 
     def _check_start(self, trajectory: Any) -> None:
         """Refuse a trajectory that begins somewhere else than the robot is."""

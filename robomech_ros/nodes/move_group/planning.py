@@ -168,7 +168,7 @@ def _timed(
 
     Where a path begins in contact, only what follows after it is proved.
     """
-    options = {
+    options: dict[str, Any] = {
         "period": settings.sample_period,
         "max_points": settings.max_points,
         "velocity_scale": question.velocity_scale,

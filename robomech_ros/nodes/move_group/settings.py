@@ -16,6 +16,9 @@ class MoveGroupSettings(PlanSettings):
         "Name of the controller, before /follow_joint_trajectory, which any ros2_control "
         "controller serves",
     )
+    controller_timeout: float = changeable(
+        3.0, "Absence of the controller after which a motion fails", (0.1, 3600.0, "s")
+    )
     start_tolerance: float = changeable(
         0.01,
         "Largest distance of a trajectory's start from the current position, rad or m, for "
