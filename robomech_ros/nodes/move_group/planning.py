@@ -95,13 +95,15 @@ class MotionPlanning:
         """Refuse all that waits for a plan."""
         self._ends = reason
 
-    async def plan(self, request: Any, cancelled: Callable[[], bool] = bool) -> PlannedMotion:
+    async def plan(
+        self, request: Any, cancelled: Callable[[], bool] | None = None
+    ) -> PlannedMotion:
         """Plan the motion of a MotionPlanRequest.
 
         Parameters
         ----------
         request : MotionPlanRequest
-        cancelled : callable
+        cancelled : callable, optional
             Whether the client has cancelled its goal.
 
         Raises
@@ -112,17 +114,9 @@ class MotionPlanning:
         settings = self._settings()
         question = await read_motion_request(request, self._robot, settings)
         scene = await self._scenes.of(question.chain, question.positions)
-        work = partial(_planned, question, scene.copy(), settings, cancelled)
-        done = self._worker.begin(work)
-        # Nobody may be left to ask for its error.
-        done.add_done_callback(Future.exception)
-        while not done.done():
-            if self._ends:
-                raise RejectedError(MoveItErrorCodes.ABORT, self._ends)
-            if cancelled():
-                raise RejectedError(MoveItErrorCodes.PREEMPTED, "cancelled while it was planned")
-            await pause(self._node)
-        message, seconds, note = done.result()
+        work = partial(_planned, question, scene.copy(), settings, cancelled or bool)
+        planned = self._unless(cancelled, work) if cancelled else self._worker.do(work)
+        message, seconds, note = await planned
         message.header.frame_id = self._robot.model.base_frame
         trajectory = RobotTrajectory(joint_trajectory=message)
         start = RobotState(joint_state=self._robot.state(question.positions))
@@ -135,6 +129,19 @@ class MotionPlanning:
         )
         notes = filter(None, (note, self._scenes.unchecked))
         return PlannedMotion(start, trajectory, seconds, "; ".join(notes))
+
+    async def _unless(self, cancelled: Callable[[], bool], work: Callable[[], Any]) -> Any:
+        """Return the result of work in the worker's thread, unless the client cancels it."""
+        done = self._worker.begin(work)
+        # Nobody may be left to ask for its error.
+        done.add_done_callback(Future.exception)
+        while not done.done():
+            if self._ends:
+                raise RejectedError(MoveItErrorCodes.ABORT, self._ends)
+            if cancelled():
+                raise RejectedError(MoveItErrorCodes.PREEMPTED, "cancelled while it was planned")
+            await pause(self._node)
+        return done.result()
 
 
 def _planned(

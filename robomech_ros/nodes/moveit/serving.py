@@ -94,8 +94,10 @@ class Outcomes:
         try:
             code, text = await work
             ended = True
+        except RejectedError as error:
+            code, text = error.code, error.reason
         except RobomechError as error:
-            code, text = getattr(error, "code", MoveItErrorCodes.FAILURE), str(error)
+            code, text = MoveItErrorCodes.FAILURE, str(error)
         except Exception as error:
             self._log.error(f"a request failed, please report this:\n{traceback.format_exc()}")
             code = MoveItErrorCodes.FAILURE
