@@ -11,10 +11,7 @@ if TYPE_CHECKING:
     from robomech_ros.collision.distances import Clearance as Clearance
     from robomech_ros.collision.libraries import MissingLibraryError as MissingLibraryError
     from robomech_ros.collision.motion_proof import MotionCheck as MotionCheck
-    from robomech_ros.collision.planning import (
-        PathPlan as PathPlan,
-        PlanStatus as PlanStatus,
-    )
+    from robomech_ros.collision.planning import PathPlan as PathPlan, PlanStatus as PlanStatus
     from robomech_ros.collision.scene import (
         PlanningScene as PlanningScene,
         SceneObject as SceneObject,

@@ -37,7 +37,8 @@ def convex_parts(triangles: Array, most: int) -> list[Array]:
         Corners of the hulls; all that the mesh encloses is in one of them.
     """
     whole = _part(triangles)
-    parts, waiting = [], [whole]
+    parts: list[_Part] = []
+    waiting = [whole]
     while waiting:
         waiting.sort(key=lambda part: part.volume)
         widest = waiting.pop()

@@ -93,7 +93,9 @@ class Distances:
             bodies.append([one.frame, first, first + count, kind, one.body.exact])
             moved = one.spheres.copy()
             for column in (0, 4):
-                moved[:, column : column + 3] = _moved(one.pose, one.spheres[:, column : column + 3])
+                moved[:, column : column + 3] = _moved(
+                    one.pose, one.spheres[:, column : column + 3]
+                )
             spheres.append(moved)
             first += count
         around = [[*_moved(one.pose, one.around[:3]), one.around[3]] for one in placed]
@@ -135,13 +137,13 @@ class Distances:
                 return pair
         return None
 
-    def within(
-        self, pair: int, distance: float, turns: Array, origins: Array, row: int
-    ) -> bool:
+    def within(self, pair: int, distance: float, turns: Array, origins: Array, row: int) -> bool:
         """Whether a pair whose poses are two rows of an array is as near as a distance (m)."""
         if self.of_hulls(pair, turns, origins, row) > distance:
             return False
-        return pair not in self._surfaces or self.surfaces_within(pair, distance, turns, origins, row)
+        return pair not in self._surfaces or self.surfaces_within(
+            pair, distance, turns, origins, row
+        )
 
     def touching(self, q: Array, pairs: set[int]) -> set[int]:
         """Return those of some pairs that touch at drives q (n,)."""
@@ -213,7 +215,7 @@ class Distances:
     def surfaces_within(
         self, pair: int, distance: float, turns: Array, origins: Array, row: int
     ) -> bool:
-        """Whether the surfaces of a pair, where `of_hulls` has put them, are as near as this (m)."""
+        """Whether the surfaces of a pair, as `of_hulls` has put them, are as near as this (m)."""
         function = self._surfaces[pair][1]
         self._contact_request.security_margin = distance + self.padding[pair]
         self._contact_result.clear()

@@ -1,8 +1,8 @@
 """Proof that a motion is free of contact, between its samples too.
 
 While the joints of a chain turn by some angles, no point of a body moves farther than those angles
-times its distances from the axes.  A body is free on a part of a motion if in the middle of the part
-it is farther from all others than it can move on half of it; else the part is halved.
+times its distances from the axes.  A body is free on a part of a motion if in the middle of the
+part it is farther from all others than it can move on half of it; else the part is halved.
 
 References
 ----------
@@ -276,7 +276,7 @@ def _pieces(chain: SerialChain, motion: Any) -> tuple[Array, Array]:
         raise BadValueError("motion", points.shape, f"waypoints (m, {chain.n})")
     if len(points) == 1:
         points = np.concatenate([points, points])
-    return np.arange(len(points)), np.stack([points[:-1], points[1:]], axis=1)
+    return np.arange(float(len(points))), np.stack([points[:-1], points[1:]], axis=1)
 
 
 def _part(curve: Array, begin: float, end: float) -> Array:

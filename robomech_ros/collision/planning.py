@@ -138,9 +138,7 @@ def plan_path(
     return ended(PlanStatus.SOLVED, note, whole, goal, proved and not note)
 
 
-def _unreached(
-    request: PlanRequest, search: _Search, postures: Array, kept: list[int]
-) -> str:
+def _unreached(request: PlanRequest, search: _Search, postures: Array, kept: list[int]) -> str:
     nearest, least = search.nearest(postures[kept])
     near = ", ".join(f"{value:.4g}" for value in nearest)
     return (
@@ -186,7 +184,10 @@ class _Search:
         curve = np.array([b, a])
         clearance = self._request.clearance
         for share in _LOOKS[0 if tuple(b) not in self._free else 1 :]:
-            if self._distances.contact(curve[0] + share * (curve[1] - curve[0]), clearance) is not None:
+            if (
+                self._distances.contact(curve[0] + share * (curve[1] - curve[0]), clearance)
+                is not None
+            ):
                 return False
         if self._proof.obstruction(curve, first=False) is not None:
             return False
@@ -214,8 +215,8 @@ class _Search:
         search = self
         entries = range(n)
 
-        class Proved(base.MotionValidator):  # type: ignore[misc]
-            def checkMotion(self, a: Any, b: Any, *_: Any) -> bool:  # noqa: N802
+        class Proved(base.MotionValidator):  # type: ignore[misc, name-defined]
+            def checkMotion(self, a: Any, b: Any, *_: Any) -> bool:
                 return search.proves([a[i] for i in entries], [b[i] for i in entries])
 
         validator = Proved(information)
@@ -298,9 +299,7 @@ def _nearest_turns(chain: SerialChain, postures: Array, start: Array) -> Array:
     return moved
 
 
-def _free_goals(
-    scene: PlanningScene, postures: Array, clearance: float
-) -> tuple[list[int], str]:
+def _free_goals(scene: PlanningScene, postures: Array, clearance: float) -> tuple[list[int], str]:
     """Return the numbers of the goals that are free; where there are none, the least depth."""
     kept = [k for k, q in enumerate(postures) if scene.is_free(q, clearance=clearance)]
     if kept:

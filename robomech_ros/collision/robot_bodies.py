@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -130,8 +130,9 @@ def _shape(given: Visual, folder: Path | None) -> Shape:
     if given.kind == "mesh":
         file = mesh_file(given.filename, folder, anywhere=True)
         return Mesh(file, scale=given.measures)
-    kinds = {"box": Box, "cylinder": Cylinder, "capsule": Capsule, "sphere": Sphere}
-    return kinds[given.kind](*given.measures)
+    kinds: dict[str, Any] = {"box": Box, "cylinder": Cylinder, "capsule": Capsule, "sphere": Sphere}
+    shape: Shape = kinds[given.kind](*given.measures)
+    return shape
 
 
 def adjacent_links(description: RobotDescription | None, with_shapes: set[str]) -> set[frozenset]:

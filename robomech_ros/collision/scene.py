@@ -25,7 +25,7 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.entry_checks import bare_link, check_name
 from robomech_ros.robots.semantic import SemanticDescription
-from robomech_ros.spatial import as_pose
+from robomech_ros.spatial import as_pose, inverse_pose
 from robomech_ros.spatial.arrays import finite_within
 from robomech_ros.typing import Array, BoolArray
 
@@ -226,7 +226,7 @@ class PlanningScene:
         touching = frozenset(map(self._known, touch_links))
         placed = found.pose if pose is None else as_pose(pose)
         if pose is None and q is not None:
-            placed = np.linalg.solve(self.link_pose(link, q), found.pose)
+            placed = inverse_pose(self.link_pose(link, q)) @ found.pose
         attached = replace(found, pose=placed, link=link, touch_links=touching)
         self._change({**self._objects, name: attached})
 
@@ -382,9 +382,7 @@ class PlanningScene:
         placed = []
         for link, body, pose, spheres, around in self._links:
             place = links[link]
-            placed.append(
-                PlacedBody(link, place.frame, place.pose @ pose, body, spheres, around)
-            )
+            placed.append(PlacedBody(link, place.frame, place.pose @ pose, body, spheres, around))
         world = []
         for one in self._objects.values():
             for _, body, pose in one.parts:
@@ -432,9 +430,9 @@ class PlanningScene:
             if not always:
                 break
             always = found.touching(q, always)
-        for pair in always:
+        for number in always:
             why = f"in contact at all of {_POSTURES} random postures"
-            self._allowed.setdefault(frozenset(found.names(pair)), why)
+            self._allowed.setdefault(frozenset(found.names(number)), why)
         self._changed()
 
     def _place(self) -> None:
@@ -469,7 +467,9 @@ def checked_clearance(value: float) -> float:
 def _chain(robot: Any, base: str | None, tip: str | None) -> SerialChain:
     if isinstance(robot, SerialChain):
         if base or tip:
-            raise BadValueError("base and tip", (base, tip), "none beside a chain, which has its own")
+            raise BadValueError(
+                "base and tip", (base, tip), "none beside a chain, which has its own"
+            )
         return robot
     if isinstance(robot, RobotDescription):
         return robot.chain(base, tip)
@@ -489,7 +489,9 @@ def _parts(shape: Shapes) -> tuple[tuple[Shape, Body, Array], ...]:
     parts = []
     for one, pose in given:
         if not isinstance(one, Shape):
-            raise BadValueError("shape", one, "a Box, Sphere, Cylinder, Capsule, Cone, Plane or Mesh")
+            raise BadValueError(
+                "shape", one, "a Box, Sphere, Cylinder, Capsule, Cone, Plane or Mesh"
+            )
         parts.append((one, one.body(), as_pose(pose, what="pose of a shape")))
     if not parts:
         raise BadValueError("shape", shape, "at least one")

@@ -57,7 +57,9 @@ def read_object(
         poses = _entries(given, f"{kind}_poses")
         for k, one in enumerate(ones):
             try:
-                shapes.append((read(one, folder), read_pose(poses[k]) if k < len(poses) else np.eye(4)))
+                shapes.append(
+                    (read(one, folder), read_pose(poses[k]) if k < len(poses) else np.eye(4))
+                )
             except (TypeError, KeyError, IndexError) as error:
                 raise BadValueError(f"{kind} {k} of object '{name}'", one, str(error)) from None
             except RobomechError as error:

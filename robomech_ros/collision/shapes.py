@@ -12,14 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros._kernels.collision.shapes import (
-    BALL,
-    BOX,
-    CAPSULE,
-    CYLINDER,
-    HALF_SPACE,
-    SPHERES,
-)
+from robomech_ros._kernels.collision.shapes import BALL, BOX, CAPSULE, CYLINDER, HALF_SPACE, SPHERES
 from robomech_ros.collision.convex_parts import convex_parts, is_closed
 from robomech_ros.collision.libraries import coal
 from robomech_ros.errors import BadValueError
@@ -54,7 +47,7 @@ class Body(NamedTuple):
     exact : bool
         Whether the body is that shape.
     surface : coal.CollisionGeometry or None
-        Of an object's mesh that is not convex; it counts where the hull, ``geometry``, is in contact.
+        Of an object's mesh that is not convex; it counts where the hull, ``geometry``, touches.
     triangles : ndarray, shape (m, 3, 3), or None
         Of that surface (m).
     """
@@ -64,7 +57,7 @@ class Body(NamedTuple):
     radius: float = 0.0
     kind: int = SPHERES
     sizes: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    pose: Array = np.eye(4)  # noqa: RUF012
+    pose: Array = np.eye(4)
     exact: bool = True
     surface: Any = None
     triangles: Array | None = None
@@ -104,6 +97,7 @@ class Box(Shape):
         _check_lengths(self, "x", "y", "z")
 
     def body(self) -> Body:
+        """Return what distances are computed from."""
         half = 0.5 * np.array([self.x, self.y, self.z])
         signs = np.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
         geometry = coal().Box(self.x, self.y, self.z)
@@ -120,6 +114,7 @@ class Sphere(Shape):
         _check_lengths(self, "radius")
 
     def body(self) -> Body:
+        """Return what distances are computed from."""
         geometry = coal().Sphere(self.radius)
         return Body(geometry, np.zeros((1, 3)), self.radius, BALL, (self.radius, 0.0, 0.0))
 
@@ -135,6 +130,7 @@ class Cylinder(Shape):
         _check_lengths(self, "radius", "height")
 
     def body(self) -> Body:
+        """Return what distances are computed from."""
         ring = _ring(self.radius, -0.5 * self.height)
         corners = np.concatenate([ring, ring + [0.0, 0.0, self.height]])
         geometry = coal().Cylinder(self.radius, self.height)
@@ -155,6 +151,7 @@ class Capsule(Shape):
         _check_lengths(self, "radius", "height")
 
     def body(self) -> Body:
+        """Return what distances are computed from."""
         half = 0.5 * self.height
         corners = np.array([[0.0, 0.0, -half], [0.0, 0.0, half]])
         geometry = coal().Capsule(self.radius, self.height)
@@ -172,6 +169,7 @@ class Cone(Shape):
         _check_lengths(self, "radius", "height")
 
     def body(self) -> Body:
+        """Return what distances are computed from."""
         half = 0.5 * self.height
         corners = np.concatenate([_ring(self.radius, -half), [[0.0, 0.0, half]]])
         geometry = coal().Cone(self.radius, self.height)
@@ -197,6 +195,7 @@ class Plane(Shape):
         object.__setattr__(self, "offset", offset / length)
 
     def body(self) -> Body:
+        """Return what distances are computed from."""
         pose = rotation_from_z(self.normal)
         pose[:3, 3] = self.offset * self.normal
         geometry = coal().Halfspace(self.normal, self.offset)
@@ -217,6 +216,7 @@ class Mesh(Shape):
         The vertices of each triangle.
     scale : array_like, shape (3,), optional
         Factors along x, y and z.
+
     Raises
     ------
     MeshError
@@ -261,8 +261,8 @@ class Mesh(Shape):
     def parts(self) -> list[Body]:
         """Return convex bodies that hold all that the mesh encloses.
 
-        It is one, the hull, if the mesh is convex or small, or no closed surface, so that nobody can
-        say what it encloses.
+        It is one, the hull, if the mesh is convex or small, or no closed surface, so that nobody
+        can say what it encloses.
         """
         whole = self.body()
         triangles = whole.triangles
@@ -271,6 +271,7 @@ class Mesh(Shape):
         return [_hull(corners) for corners in convex_parts(triangles, _MOST_PARTS)]
 
     def body(self) -> Body:
+        """Return the hull, and the surface where that is not convex."""
         try:
             self._mesh.buildConvexHull(True, "Qt")
             hull = self._mesh.convex

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -10,16 +11,15 @@ import numpy.typing as npt
 from robomech_ros.collision.scene import PlanningScene, checked_clearance
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinematics.joint_values import as_finite_values
-from robomech_ros.trajectory import (
-    SampledPlan,
-    discretise,
-    sampled_through_points,
-    verify,
-)
+from robomech_ros.trajectory import SampledPlan, discretise, sampled_through_points, verify
 from robomech_ros.trajectory.curves.motion_to_rest import MotionThrough
 from robomech_ros.trajectory.curves.piecewise import joined
-from robomech_ros.trajectory.plans.point_to_point import point_to_point, profile_named, scaled_limits
 from robomech_ros.trajectory.limits import JointLimits, Limits
+from robomech_ros.trajectory.plans.point_to_point import (
+    point_to_point,
+    profile_named,
+    scaled_limits,
+)
 from robomech_ros.typing import Array
 
 # How often waypoints are added where a smooth curve leaves the free space, before it stops at each.
@@ -86,7 +86,6 @@ def timed_path(
         raise BadValueError("waypoints", points.shape, f"at least two, (m, {chain.n})")
     allowed = Limits.of(chain if limits is None else limits)
     scales = (velocity_scale, acceleration_scale, jerk_scale)
-    bounds = {"period": period, "max_points": max_points}
     smooth = points
     for _ in range(_ROUNDS if len(points) > 2 else 1):
         try:
@@ -97,7 +96,8 @@ def timed_path(
                 velocity_scale=velocity_scale,
                 acceleration_scale=acceleration_scale,
                 jerk_scale=jerk_scale,
-                **bounds,
+                period=period,
+                max_points=max_points,
             )
         except RobomechError:
             if len(points) == 2:
@@ -113,7 +113,7 @@ def timed_path(
         raise NotFreeError(f"the path {what} at waypoint {found.parameter:.4g}: {names}")
     method = profile_named(profile)
     tight = scaled_limits(allowed, method, *scales)
-    plan = _with_stops(points, tight, profile, bounds)
+    plan = _with_stops(points, tight, profile, period, max_points)
     if not scene.check_motion(plan.waypoints, clearance=clearance).certified:
         raise NotFreeError("the samples of the path come nearer than the path itself; take more")
     return plan
@@ -127,18 +127,20 @@ def _denser(points: Array) -> Array:
     return np.concatenate([between, points[-1:]])
 
 
-def _with_stops(points: Array, limits: Limits, profile: str, bounds: dict[str, Any]) -> SampledPlan:
+def _with_stops(
+    points: Array, limits: Limits, profile: str, period: float, max_points: int
+) -> SampledPlan:
     """Go straight from waypoint to waypoint, at rest at each."""
     inner = limits.with_margin
     pieces = [
         point_to_point(a, b, limits=inner, profile=profile).pieces
-        for a, b in zip(points[:-1], points[1:], strict=True)
+        for a, b in pairwise(points)
         if np.abs(b - a).max() > 0.0
     ]
     curve = joined(pieces)
     knots = np.append(0.0, np.cumsum([piece.breaks[-1] for piece in pieces]))
     motion = MotionThrough(points[-1], curve, knots)
-    waypoints = discretise(motion, bounds["period"], bounds["max_points"])
+    waypoints = discretise(motion, period, max_points)
     verification = verify(waypoints, limits, start=points[0])
     verification.require_ok()
     return SampledPlan(motion, waypoints, verification)

@@ -2,11 +2,11 @@
 
 A body is covered by spheres, and holds as many inside it: rows of ``spheres`` (s, 8) with centre
 and radius of both.  Rows of ``bodies`` (b, 5) have the frame that the body moves with, its first
-sphere and the one after its last, the kind of simple shape that it is or lies in (``SPHERES``: none)
-and 1 where it is that shape exactly; rows of ``around`` (b, 4) a sphere around all of it.  Centres
+sphere and the one after its last, the kind of simple shape that it is or lies in (``SPHERES`` for
+none) and 1 where it is that shape exactly; rows of ``around`` (b, 4) a sphere around all of it.  Centres
 are in the frame.  Rows of ``shapes`` (b, 15) hold pose and sizes of the simple shape, rows of
-``placed`` (b, 12) the pose of the body itself, both in the frame.  Rows of ``pairs`` (p, 5) have the
-two bodies, of which the first has spheres, the frame before the first joint that moves them against
+``placed`` (b, 12) the pose of the body itself, both in the frame.  Rows of ``pairs`` (p, 5) have
+the two bodies, of which the first has spheres, the frame before the first joint that moves them against
 each other, by how much (m) the pair counts as nearer than it is, and the number of its group: the
 pairs of bodies of the same two links or objects, which stand one behind the other.
 """
@@ -86,8 +86,9 @@ def _far_bound(bodies, around, shapes, middles, a, b):
         y = middles[a, 1] - middles[b, 1]
         z = middles[a, 2] - middles[b, 2]
         return math.sqrt(x * x + y * y + z * z) - around[a, 3] - around[b, 3]
-    return signed_distance(kind, shapes, b, middles[a, 0], middles[a, 1], middles[a, 2]) - (
-        around[a, 3]
+    return (
+        signed_distance(kind, shapes, b, middles[a, 0], middles[a, 1], middles[a, 2])
+        - (around[a, 3])
     )
 
 
@@ -257,13 +258,26 @@ def _halve(curve, left, right):
 
 @kernel(i8(IN2, IN2, IN2, IN2, IN2, IN2, IN2, IIN1, i8, IN2, IN1, OUT1, OUT2, IOUT1))
 def sweep(
-    joints, bodies, around, spheres, shapes, placed, pairs, tested, count, curve, limits, found, open_parts, open_groups
+    joints,
+    bodies,
+    around,
+    spheres,
+    shapes,
+    placed,
+    pairs,
+    tested,
+    count,
+    curve,
+    limits,
+    found,
+    open_parts,
+    open_groups,
 ):
     """Prove that pairs keep their distance on a curve (d + 1, n) of Bernstein type, from 0 to 1.
 
     Parts on which spheres do not decide, although a body moves by less than limits[1] (m) there,
-    are left to others: begin and end in open_parts, the group in open_groups.  The distance to keep is
-    limits[0].  The first ``count`` of ``tested`` are the pairs.
+    are left to others: begin and end in open_parts, the group in open_groups.  The distance to keep
+    is limits[0].  The first ``count`` of ``tested`` are the pairs.
 
     Returns FREE, CONTACT, or FULL where there are more open parts than places.  found (4,) is how
     many open parts there are, where a contact is or until where all is done, the pair in contact,
@@ -303,8 +317,15 @@ def sweep(
         for b in range(bodies.shape[0]):
             if bodies[b, 0] > 0.0:
                 _travel(
-                    joints, frames, int(bodies[b, 0]),
-                    middles[b, 0], middles[b, 1], middles[b, 2], 0.0, rates, middle_moved[b],
+                    joints,
+                    frames,
+                    int(bodies[b, 0]),
+                    middles[b, 0],
+                    middles[b, 1],
+                    middles[b, 2],
+                    0.0,
+                    rates,
+                    middle_moved[b],
                 )
             else:
                 middle_moved[b, 0] = 0.0
@@ -325,8 +346,15 @@ def sweep(
                     for s in range(int(bodies[which, 1]), int(bodies[which, 2])):
                         if f > 0:
                             _travel(
-                                joints, frames, f,
-                                points[s, 0], points[s, 1], points[s, 2], 0.0, rates, moved[s],
+                                joints,
+                                frames,
+                                f,
+                                points[s, 0],
+                                points[s, 1],
+                                points[s, 2],
+                                0.0,
+                                rates,
+                                moved[s],
                             )
                         else:
                             moved[s, 0] = 0.0
@@ -397,7 +425,7 @@ def group_part(
     low,
     poses,
 ):
-    """Find which of the first ``size`` pairs of ``tested`` spheres do not decide on a part of a curve.
+    """Find the pairs of the first ``size`` tested that spheres leave open on a part of a curve.
 
     They are those that may come nearer than ``keep`` (m).  Returns how many there are, the nearest
     first: their numbers in found, how far a point of one can move against the other on half the

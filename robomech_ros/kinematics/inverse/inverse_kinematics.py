@@ -7,10 +7,11 @@ from collections.abc import Sequence
 
 from robomech_ros._kernels.tolerances import ORIENTATION_TOLERANCE, POSITION_TOLERANCE
 from robomech_ros.kinematics.inverse.closed_form import solve_closed_form
+from robomech_ros.kinematics.inverse.contacts import Scene, without_contacts
 from robomech_ros.kinematics.inverse.families.selection import Family, family_of
 from robomech_ros.kinematics.inverse.nearest_posture import add_nearest
 from robomech_ros.kinematics.inverse.redundant_solutions import solve_by_sampling
-from robomech_ros.kinematics.inverse.request import Request, as_request, is_loose, with_task
+from robomech_ros.kinematics.inverse.request import Request, as_cap, as_request, is_loose, with_task
 from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
 from robomech_ros.kinematics.inverse.solve_by_search import solve_by_search
 from robomech_ros.kinematics.inverse.status import Status
@@ -35,6 +36,7 @@ def inverse_kinematics(
     position_tolerance: float | None = None,
     orientation_tolerance: float | None = None,
     timeout: float | None = None,
+    scene: Scene | None = None,
 ) -> InverseKinematicsResult:
     """Find the joint values that bring the tip to a pose, nearest to the seed first.
 
@@ -87,6 +89,9 @@ def inverse_kinematics(
         cannot take every pose, such as one of five joints.
     timeout : float, optional
         Time (s) after which an iterative search ends; default none. Closed forms take no notice.
+    scene : PlanningScene, optional
+        The world around the arm, of the same chain: solutions in contact are left out and counted
+        in the reason, and ``clearances`` has the least distances of the others.
 
     Returns
     -------
@@ -94,7 +99,8 @@ def inverse_kinematics(
         With the status SUCCESS where there is a solution; else with the reason in words:
         OUT_OF_REACH and ORIENTATION_UNREACHABLE, where no posture takes the pose;
         LIMITS_EXCLUDE_ALL, with the joints that are in the way, and SINGULAR_CONTINUUM, the same of
-        a continuum; NOT_CONVERGED and TIMED_OUT, which prove nothing.
+        a continuum; IN_COLLISION, where all solutions are in contact, with the pair of the one that
+        is least deep; NOT_CONVERGED and TIMED_OUT, which prove nothing.
 
     Raises
     ------
@@ -128,8 +134,9 @@ def inverse_kinematics(
     >>> found.branches[0]
     'shoulder-right elbow-down wrist-noflip'
     """
+    cap = max_solutions if scene is None else None
     given = as_target(T)
-    request = as_request(chain, seed, respect_limits, include_windings, metric, max_solutions)
+    request = as_request(chain, seed, respect_limits, include_windings, metric, cap)
     if (
         task_mask is not None
         or position_tolerance is not None
@@ -139,11 +146,22 @@ def inverse_kinematics(
         request = with_task(
             chain, request, task_mask, position_tolerance, orientation_tolerance, timeout
         )
+    bounded = position_tolerance is not None or orientation_tolerance is not None
+    result = _solved(chain, given, request, bounded)
+    if scene is None:
+        return result
+    return without_contacts(result, scene, as_cap(max_solutions))
+
+
+def _solved(
+    chain: SerialChain, given: Array, request: Request, bounded: bool
+) -> InverseKinematicsResult:
+    """Solve a request; `bounded` tells whether its tolerances were asked for."""
     started = time.monotonic()
     family = family_of(chain)
     if family.lists_all and request.task == FULL_TASK:
         result = solve_closed_form(chain, given, request, family)
-        if position_tolerance is not None or orientation_tolerance is not None:
+        if bounded:
             # Closed forms are as good as rounding lets them be, and hold these bounds anyway.
             result = result.within(
                 max(request.position_tolerance, POSITION_TOLERANCE),

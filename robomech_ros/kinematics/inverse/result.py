@@ -19,7 +19,7 @@ from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.printing import MOST_LINES, Printed, brief
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.typing import Array, IntArray
+from robomech_ros.typing import Array, BoolArray, IntArray
 
 NO_EXCESS = np.empty(0)
 NO_EXCESS.setflags(write=False)
@@ -42,7 +42,8 @@ class Findings:
     (rad or m). The task says which of x, y, z, rx, ry, rz, along and about the axes of the target,
     count as errors. Of an arm with fewer joints than conditions, where there is no solution,
     ``nearest`` (n,) is the posture inside the limits that misses the pose least in the sense of
-    least squares (rad or m); the reason says by how much.
+    least squares (rad or m); the reason says by how much. ``clearances`` (k,) are the least distances
+    (m) between bodies at the solutions, where a scene was given.
     """
 
     family: str
@@ -53,6 +54,7 @@ class Findings:
     blocking_excess: Array = field(default_factory=lambda: NO_EXCESS)
     task: tuple[bool, ...] = FULL_TASK
     nearest: Array | None = None
+    clearances: Array | None = None
 
 
 class Listing(NamedTuple):
@@ -134,12 +136,11 @@ class InverseKinematicsResult(Printed):
         good = (self.position_error <= position) & (self.orientation_error <= orientation)
         if good.all():
             return self
-        listing = Listing(self.target, self.seed_distance[good], self.branch_bits[good])
         findings = self.findings
         if not good.any():
             reason = "no posture of the closed form keeps the tolerances asked for"
             findings = replace(findings, status=Status.NOT_CONVERGED, complete=False, reason=reason)
-        return InverseKinematicsResult(self.chain, self.q[good], findings, listing)
+        return self.keep(good, findings)
 
     @property
     def family(self) -> str:
@@ -180,6 +181,16 @@ class InverseKinematicsResult(Printed):
     def nearest(self) -> Array | None:
         """The posture (n,) that misses the pose least; None where it was not searched."""
         return self.findings.nearest
+
+    @property
+    def clearances(self) -> Array | None:
+        """Least distance (m) between bodies at each solution, shape (k,); None without a scene."""
+        return self.findings.clearances
+
+    def keep(self, rows: BoolArray | IntArray, findings: Findings) -> InverseKinematicsResult:
+        """Return the result with some of the solutions, by a mask or numbers, and new findings."""
+        listing = Listing(self.target, self.seed_distance[rows], self.branch_bits[rows])
+        return InverseKinematicsResult(self.chain, self.q[rows], findings, listing)
 
     @cached_property
     def _listing(self) -> Listing:

@@ -5,8 +5,8 @@ import pytest
 
 from robomech_ros.kinematics import link_poses
 from robomech_ros.robots import list_robots, load_description
-from robomech_ros.rvs.model.ghosts import PALETTE, Ghosts
 from robomech_ros.robots.urdf.mesh_files import MeshError, mesh_file
+from robomech_ros.rvs.model.ghosts import PALETTE, Ghosts
 from robomech_ros.rvs.model.solids import box, cylinder, sphere
 from robomech_ros.rvs.model.visual_model import load_visual_model
 from robomech_ros.spatial import pose_from_position_quaternion
