@@ -3,12 +3,12 @@
 A body is covered by spheres, and holds as many inside it: rows of ``spheres`` (s, 8) with centre
 and radius of both.  Rows of ``bodies`` (b, 5) have the frame that the body moves with, its first
 sphere and the one after its last, the kind of simple shape that it is or lies in (``SPHERES`` for
-none) and 1 where it is that shape exactly; rows of ``around`` (b, 4) a sphere around all of it.  Centres
-are in the frame.  Rows of ``shapes`` (b, 15) hold pose and sizes of the simple shape, rows of
-``placed`` (b, 12) the pose of the body itself, both in the frame.  Rows of ``pairs`` (p, 5) have
-the two bodies, of which the first has spheres, the frame before the first joint that moves them against
-each other, by how much (m) the pair counts as nearer than it is, and the number of its group: the
-pairs of bodies of the same two links or objects, which stand one behind the other.
+none) and 1 where it is that shape exactly; rows of ``around`` (b, 4) a sphere around all of it.
+Centres are in the frame.  Rows of ``shapes`` (b, 15) hold pose and sizes of the simple shape, rows
+of ``placed`` (b, 12) the pose of the body itself, both in the frame.  Rows of ``pairs`` (p, 5) have
+the two bodies, of which the first has spheres, the frame before the first joint that moves them
+against each other, by how much (m) the pair counts as nearer than it is, and the number of its
+group: the pairs of bodies of the same two links or objects, which stand one behind the other.
 """
 
 import math
