@@ -80,8 +80,9 @@ def findings() -> Iterator[Finding]:
     yield _sourced()
     yield _optional("matplotlib", "plots of robomech demo")
     yield _optional("clarabel", "contact_forces of hands")
-    yield _optional("coal", "collision checks, move_group")
-    yield _optional("ompl", "planning around obstacles, move_group")
+    extra = "pip install 'robomech_ros[collision]'"
+    yield _optional("coal", f"collision checks, move_group: {extra}")
+    yield _optional("ompl", f"planning around obstacles, move_group: {extra}")
     yield _optional("viser", "robomech view, and the page of robomech demo")
     yield _optional(
         "control_msgs",

@@ -74,7 +74,8 @@ class MoveGroupNode(Node):
         super().destroy_node()
 
     def _serve(self, model: RobotModel) -> None:
-        # What needs messages of MoveIt.
+        # What needs messages of MoveIt, or the libraries of collisions.
+        from robomech_ros.collision.libraries import ompl
         from robomech_ros.nodes.move_group.execution import Execution
         from robomech_ros.nodes.move_group.motion_services import MotionServices
         from robomech_ros.nodes.move_group.planner_services import PlannerServices
@@ -102,6 +103,8 @@ class MoveGroupNode(Node):
         self._motions = MotionServices(self, self._planning, execution)
         text = f"; {scenes.unchecked}" if scenes.unchecked else ""
         self.get_logger().info(f"ready: {model.chain.name}, {model.chain.n} joints{text}")
+        # The first plan does not wait for it.
+        self._worker.begin(ompl)
         self._worker.begin(release_clean_pages)
 
 

@@ -232,6 +232,8 @@ def test_doctor_finds_nothing_missing_here(capfd, domain_id):
         ("control_msgs", "follow_joint_trajectory"),
         ("moveit_msgs", "compute_cartesian_path"),
         ("tf2_msgs", "/tf_static"),
+        ("coal", "collision checks"),
+        ("ompl", "planning around obstacles"),
     ):
         assert re.search(rf"ok +{package} .*{feature}", out)
 
