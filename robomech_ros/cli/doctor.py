@@ -81,8 +81,8 @@ def findings() -> Iterator[Finding]:
     yield _optional("matplotlib", "plots of robomech demo")
     yield _optional("clarabel", "contact_forces of hands")
     extra = "pip install 'robomech_ros[collision]'"
-    yield _optional("coal", f"collision checks, move_group: {extra}")
-    yield _optional("ompl", f"planning around obstacles, move_group: {extra}")
+    yield _optional("coal", "collision checks, move_group", extra)
+    yield _optional("ompl", "planning around obstacles, move_group", extra)
     yield _optional("viser", "robomech view, and the page of robomech demo")
     yield _optional(
         "control_msgs",
@@ -124,9 +124,11 @@ def _module(name: str, what: str, distribution: str) -> Finding:
     return Finding(what, True, found)
 
 
-def _optional(name: str, purpose: str) -> Finding:
+def _optional(name: str, purpose: str, remedy: str = "") -> Finding:
     there = importlib.util.find_spec(name) is not None
-    return Finding(name, True if there else None, purpose if there else f"not installed: {purpose}")
+    if there:
+        return Finding(name, True, purpose)
+    return Finding(name, None, f"not installed: {purpose}", remedy)
 
 
 def _middleware() -> Finding:
