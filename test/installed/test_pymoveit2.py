@@ -29,23 +29,51 @@ NO_TURN = (0.0, 0.0, 0.0, 1.0)
 PATIENCE = 60.0
 
 
+FINGERS = """
+  <link name="finger"/><link name="thumb"/>
+  <joint name="grip" type="prismatic">
+    <parent link="tool0"/><child link="finger"/><origin xyz="0 0.01 0.1"/><axis xyz="0 1 0"/>
+    <limit lower="0" upper="0.04" effort="10" velocity="0.1"/>
+  </joint>
+  <joint name="thumb_joint" type="prismatic">
+    <parent link="tool0"/><child link="thumb"/><origin xyz="0 -0.01 0.1"/><axis xyz="0 -1 0"/>
+    <limit lower="0" upper="0.04" effort="10" velocity="0.1"/><mimic joint="grip"/>
+  </joint>
+</robot>"""
+
+
+def done(future, process=lambda future: future.result()):
+    """Wait for an asynchronous request."""
+    deadline = time.monotonic() + PATIENCE
+    while not future.done():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    return process(future)
+
+
+def made(outsider, kind, **options):
+    """Make a client of pymoveit2 in the thread that spins its node.
+
+    An executor of rclpy looks at an action client while another thread makes it.
+    """
+    make = partial(kind, node=outsider.node, **options)
+    return done(outsider.node.executor.create_task(make))
+
+
 class Arm:
     """A client of pymoveit2, and somebody who looks at the robot itself."""
 
     def __init__(self, outsider, **options):
         self.outsider = outsider
-        make = partial(
+        self.moveit = made(
+            outsider,
             pymoveit2.MoveIt2,
-            node=outsider.node,
             joint_names=list(UR5E.joint_names),
             base_link_name=UR5E.base,
             end_effector_name=UR5E.tip,
             group_name="manipulator",
             **options,
         )
-        # In the thread that spins: an executor of rclpy looks at an action client while it is made.
-        task = outsider.node.executor.create_task(make)
-        self.moveit = self.done(task, lambda done: done.result())
         self.moveit.max_velocity = self.moveit.max_acceleration = 0.5
         self.moveit.allowed_planning_time = 20.0
 
@@ -78,14 +106,6 @@ class Arm:
         request = GetStateValidity.Request()
         request.robot_state.joint_state = joint_state(UR5E.joint_names, np.array(q))
         return self.outsider.call(GetStateValidity, "check_state_validity", request).valid
-
-    def done(self, future, process):
-        """Wait for an asynchronous request of pymoveit2."""
-        deadline = time.monotonic() + PATIENCE
-        while not future.done():
-            assert time.monotonic() < deadline
-            time.sleep(0.01)
-        return process(future)
 
 
 @pytest.fixture
@@ -189,10 +209,10 @@ def test_obstacles(arm):
         assert not client.valid(HERE)
         assert moveit.plan(joint_positions=HERE, timeout_sec=PATIENCE) is None
         future = moveit.allow_collisions("block", True, timeout_sec=PATIENCE)
-        assert client.done(future, moveit.process_allow_collision_future)
+        assert done(future, moveit.process_allow_collision_future)
         assert client.valid(HERE)
         future = moveit.allow_collisions("block", False, timeout_sec=PATIENCE)
-        assert client.done(future, moveit.process_allow_collision_future)
+        assert done(future, moveit.process_allow_collision_future)
         assert not client.valid(HERE)
         moveit.move_collision("block", (0.0, 0.0, 1.5), NO_TURN)
         deadline = time.monotonic() + PATIENCE
@@ -213,7 +233,7 @@ def test_obstacles(arm):
         moveit.remove_collision_object("ball")
         client.wait_for_objects("wall", "block")
         future = moveit.clear_all_collision_objects(timeout_sec=PATIENCE)
-        assert client.done(future, moveit.process_clear_all_collision_objects_future)
+        assert done(future, moveit.process_clear_all_collision_objects_future)
         client.wait_for_objects()
         client.go(HERE)
 
@@ -228,3 +248,57 @@ def test_a_motion_is_cancelled(arm):
         client.moveit.cancel_execution()
         assert not client.moveit.wait_until_executed(PATIENCE)
         assert np.abs(client.position - np.array(THERE)).max() > 0.1
+
+
+def test_a_gripper(bringup, outsider, tmp_path):
+    urdf = tmp_path / "arm.urdf"
+    urdf.write_text(shaped_ur5e().replace("</robot>", FINGERS), encoding="utf-8")
+    with bringup("--robot", str(urdf), "--tip-link", "tool0", "--move-group", "--no-servo"):
+        gripper = made(
+            outsider,
+            pymoveit2.GripperCommand,
+            gripper_joint_names=["grip"],
+            open_gripper_joint_positions=0.04,
+            closed_gripper_joint_positions=0.0,
+            gripper_command_action_name="gripper_controller/gripper_cmd",
+        )
+        outsider.wait_for_joints(lambda q: "grip" in q)
+        for move, place in ((gripper.open, 0.04), (gripper.close, 0.0)):
+            deadline = time.monotonic() + PATIENCE
+            while not move():
+                assert time.monotonic() < deadline
+                time.sleep(0.1)
+            assert gripper.wait_until_executed(PATIENCE)
+            outsider.wait_for_joints(lambda q, at=place: abs(q["grip"] - at) < 1e-3)
+        gripper.destroy()
+
+
+def test_a_servo(bringup, suite, outsider, tmp_path):
+    urdf = tmp_path / "arm.urdf"
+    urdf.write_text(shaped_ur5e(), encoding="utf-8")
+    options = ("-r", "__node:=servo_node", "-p", f"robot_description:={urdf}")
+    with (
+        bringup("--robot", str(urdf), "--move-group", "--no-servo"),
+        suite.node("servo_node", *options),
+    ):
+        client = Arm(outsider)
+        outsider.call(GetPlanningScene, "get_planning_scene", GetPlanningScene.Request())
+        client.go(HERE)
+        start = forward_kinematics(UR5E, client.position)
+        servo = made(
+            outsider,
+            pymoveit2.MoveIt2Servo,
+            frame_id=UR5E.base,
+            linear_speed=0.1,
+            angular_speed=0.1,
+        )
+        deadline = time.monotonic() + PATIENCE
+        while forward_kinematics(UR5E, client.position)[2, 3] < start[2, 3] + 0.05:
+            servo(linear=(0.0, 0.0, 1.0))
+            assert time.monotonic() < deadline
+            time.sleep(0.02)
+        reached = forward_kinematics(UR5E, client.position)
+        np.testing.assert_allclose(reached[:2, 3], start[:2, 3], atol=5e-3)
+        np.testing.assert_allclose(reached[:3, :3], start[:3, :3], atol=1e-2)
+        servo.destroy()
+        client.moveit.destroy()
