@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from robomech_ros.collision.distances import Clearance as Clearance
     from robomech_ros.collision.libraries import MissingLibraryError as MissingLibraryError
     from robomech_ros.collision.motion_proof import MotionCheck as MotionCheck
+    from robomech_ros.collision.path_ends import stop_before_contact as stop_before_contact
     from robomech_ros.collision.planning import PathPlan as PathPlan, PlanStatus as PlanStatus
     from robomech_ros.collision.scene import (
         PlanningScene as PlanningScene,

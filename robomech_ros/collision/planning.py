@@ -6,7 +6,7 @@ import threading
 import time
 from collections.abc import Callable
 from enum import Enum
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -20,9 +20,6 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial import as_pose
 from robomech_ros.spatial.arrays import as_choice, finite_within, whole_number
 from robomech_ros.typing import Array
-
-if TYPE_CHECKING:
-    from robomech_ros.collision.scene import PlanningScene
 
 # Of OMPL, those that plan from a start to goals without more than which motions are free.
 PLANNERS = (
@@ -100,7 +97,7 @@ class PathPlan(NamedTuple):
 
 
 def plan_path(
-    scene: PlanningScene, start: npt.ArrayLike, goals: npt.ArrayLike, request: PlanRequest
+    scene: Any, start: npt.ArrayLike, goals: npt.ArrayLike, request: PlanRequest
 ) -> PathPlan:
     """Plan a path; see `PlanningScene.plan`."""
     begin = time.monotonic()
@@ -150,7 +147,7 @@ def _unreached(request: PlanRequest, search: _Search, postures: Array, kept: lis
 class _Search:
     """A search by OMPL whose motions are proved."""
 
-    def __init__(self, scene: PlanningScene, request: PlanRequest, deadline: float) -> None:
+    def __init__(self, scene: Any, request: PlanRequest, deadline: float) -> None:
         self._scene, self._request, self._deadline = scene, request, deadline
         self._distances = scene.distances
         self._proof = MotionProof(self._distances, request.clearance)
@@ -270,7 +267,7 @@ def _check_limits(chain: SerialChain, q: Array, what: str) -> None:
             raise SeedOutsideLimitsError(name, float(q[i]), *ends, what, chain.units[i])
 
 
-def _postures(scene: PlanningScene, goals: npt.ArrayLike, start: Array) -> tuple[Array, str]:
+def _postures(scene: Any, goals: npt.ArrayLike, start: Array) -> tuple[Array, str]:
     """Return the postures (k, n) that are goals; where there are none, why."""
     chain = scene.chain
     given = np.asarray(goals, dtype=np.float64) if not isinstance(goals, np.ndarray) else goals
@@ -299,7 +296,7 @@ def _nearest_turns(chain: SerialChain, postures: Array, start: Array) -> Array:
     return moved
 
 
-def _free_goals(scene: PlanningScene, postures: Array, clearance: float) -> tuple[list[int], str]:
+def _free_goals(scene: Any, postures: Array, clearance: float) -> tuple[list[int], str]:
     """Return the numbers of the goals that are free; where there are none, the least depth."""
     kept = [k for k, q in enumerate(postures) if scene.is_free(q, clearance=clearance)]
     if kept:
@@ -315,7 +312,7 @@ def in_words(bodies: tuple[str, str], distance: float) -> str:
     return f"'{bodies[0]}' and '{bodies[1]}', {how}"
 
 
-def _leave(scene: PlanningScene, start: Array, request: PlanRequest) -> tuple[list[Array], str]:
+def _leave(scene: Any, start: Array, request: PlanRequest) -> tuple[list[Array], str]:
     """Find steps out of a contact, on which the least distance grows; none where there are none."""
     found = scene.clearance(start)
     contact = in_words(found.bodies, found.distance)

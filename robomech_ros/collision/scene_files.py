@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,15 +16,12 @@ from robomech_ros.robots.documents.source_files import read_source
 from robomech_ros.spatial import pose_from_position_quaternion
 from robomech_ros.typing import Array
 
-if TYPE_CHECKING:
-    from robomech_ros.collision.scene import PlanningScene
-
 # Kinds of shape_msgs/SolidPrimitive, by number and name, and how many sizes each has.
 _PRIMITIVES = {1: ("box", 3), 2: ("sphere", 1), 3: ("cylinder", 2), 4: ("cone", 2)}
 _NUMBERS = {name: kind for kind, (name, _) in _PRIMITIVES.items()}
 
 
-def load_scene(scene: PlanningScene, given: Mapping[str, Any] | str | os.PathLike[str]) -> None:
+def load_scene(scene: Any, given: Mapping[str, Any] | str | os.PathLike[str]) -> None:
     """Add what a scene of MoveIt holds; see `PlanningScene.load`."""
     folder = None
     if not isinstance(given, Mapping):
@@ -80,7 +77,7 @@ def read_pose(given: Mapping[str, Any]) -> Array:
     return pose_from_position_quaternion(origin, quaternion)
 
 
-def allow_pairs(scene: PlanningScene, matrix: Mapping[str, Any]) -> None:
+def allow_pairs(scene: Any, matrix: Mapping[str, Any]) -> None:
     """Allow the pairs of an allowed collision matrix to touch, and look at the others of it."""
     names = [str(name) for name in matrix.get("entry_names") or ()]
     for i, row in enumerate(_entries(matrix, "entry_values")):
@@ -143,6 +140,6 @@ def _entries(given: Mapping[str, Any], key: str) -> list[Mapping[str, Any]]:
     return list(found)
 
 
-def _frame(scene: PlanningScene, name: str) -> str | None:
+def _frame(scene: Any, name: str) -> str | None:
     """Return a frame as a link; the world and the base are the base."""
     return None if name.lstrip("/") in ("", "world", scene.chain.base) else name

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,9 +31,6 @@ from robomech_ros.robots.link_frames import LinkFrame, find_frame, links_between
 from robomech_ros.robots.mimic import Coupling
 from robomech_ros.robots.regular_posture import regular_posture
 from robomech_ros.typing import Array, BoolArray, IntArray
-
-if TYPE_CHECKING:
-    from robomech_ros.robots.description import RobotDescription
 
 LimitKind = Literal["position", "velocity", "acceleration", "jerk", "effort"]
 
@@ -102,7 +99,7 @@ class SerialChain(Printed):
     drives: tuple[Drive, ...] = ()
     home_given: Array | None = None
     coupling: Coupling | None = None
-    description: RobotDescription | None = None
+    description: Any = None
 
     def __post_init__(self) -> None:
         for what in ("name", "base", "tip"):

@@ -11,6 +11,7 @@ from visualization_msgs.msg import Marker
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics, inverse_kinematics_batch
+from robomech_ros.kinematics.inverse.contacts import without_contacts
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.first_solution import first_solution
 from robomech_ros.kinetostatics import (
@@ -111,10 +112,18 @@ class ChainManipulator:
             rows.append(np.array(q))
         return rows, ""
 
-    def solver(self, way: SerialChain, request: Any) -> Callable[..., Any]:
-        """Return inverse kinematics, or one attempt from the seed."""
-        solve = first_solution if wants_first(request.mode) else inverse_kinematics
-        return partial(solve, way, **inverse_options(request))
+    def solver(self, way: SerialChain, request: Any, scene: Any = None) -> Callable[..., Any]:
+        """Return inverse kinematics, or one attempt from the seed, outside contact in a scene."""
+        options = inverse_options(request)
+        if not wants_first(request.mode):
+            return partial(inverse_kinematics, way, scene=scene, **options)
+        if scene is None:
+            return partial(first_solution, way, **options)
+
+        def first_free(T: Array, seed: Array) -> Any:
+            return without_contacts(first_solution(way, T, seed=seed, **options), scene, None)
+
+        return first_free
 
     def task_mask(self, mask: Sequence[bool]) -> tuple[bool, ...] | None:
         """Return the task mask of a request; None for the full pose."""

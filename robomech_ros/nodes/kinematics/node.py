@@ -50,6 +50,7 @@ from robomech_ros.nodes.kinematics.messages import (
 from robomech_ros.nodes.kinematics.pose_batches import Manipulator, WorkspaceQuery, solve_in_turns
 from robomech_ros.nodes.kinematics.settings import KinematicsSettings
 from robomech_ros.nodes.middleware.queue_depth import serve
+from robomech_ros.nodes.move_group.monitored_scene import MonitoredScene
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.outcomes import Code
 from robomech_ros.typing import Array
@@ -84,6 +85,7 @@ class KinematicsNode(Node):
         self._joints = JointPositions(model, self._monitor)
         self._frames = RobotFrames(self, model, self._monitor, lambda: self._table.settings)
         self._robot = self._manipulator()
+        self._scene = MonitoredScene(self, self._frames, self._worker)
         # While one of these waits, for a joint state, a frame or its turn, others are served.
         for kind, name, callback in (
             (SolveIK, "~/solve_ik", self._solve_ik),
@@ -128,7 +130,8 @@ class KinematicsNode(Node):
     async def _solve_ik(self, request: Any, response: Any) -> Any:
         way: Any = self._robot.linkage_to(request.tip_link)
         T = matrix_from_pose(request.target.pose, "target")
-        solve = self._robot.solver(way, request)
+        scene = await self._scene.of(way, request.ignore_collisions)
+        solve = self._robot.solver(way, request, scene)
         header, patience = request.target.header, self._table.settings.state_timeout
         frame = await self._frames.in_base(header.frame_id, patience, header.stamp)
         seed = self._joints.seed(way, request.seed)

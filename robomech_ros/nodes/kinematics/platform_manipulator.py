@@ -113,7 +113,7 @@ class PlatformManipulator:
             text += f"; {found.reason}"
         return list(found.q), text + _beyond_limits(mechanism, found.q)
 
-    def solver(self, way: Mechanism, request: Any) -> Callable[..., Any]:
+    def solver(self, way: Mechanism, request: Any, scene: Any = None) -> Callable[..., Any]:
         """Return the solver of all limbs; its solutions meet any tolerance, in any time."""
         options = inverse_options(request)
         self.task_mask(options.get("task_mask", ()))

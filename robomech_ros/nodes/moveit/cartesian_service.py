@@ -23,7 +23,7 @@ from robomech_ros.cartesian import (
     waypoint_fraction,
     waypoint_path,
 )
-from robomech_ros.collision import PlanningScene
+from robomech_ros.collision import PlanningScene, stop_before_contact
 from robomech_ros.collision.planning import in_words
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.cooperative_wait import Worker
@@ -34,9 +34,7 @@ from robomech_ros.nodes.moveit.serving import Collisions, answering, refused_as
 from robomech_ros.nodes.moveit.whole_robot import WholeRobot
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory import (
-    JointPath,
     Limits,
-    PathCut,
     PathTrackingStatus,
     PosePath,
     SampledPlan,
@@ -45,8 +43,6 @@ from robomech_ros.trajectory import (
 )
 from robomech_ros.typing import Array
 
-# How far before a contact a path ends, m.
-_BEFORE = 1e-3
 # The task mask of a position alone.
 _POSITION = (True, True, True, False, False, False)
 
@@ -176,21 +172,11 @@ def _followed(
 
         checks.append(stop_on_condition(broken, step))
     if scene is not None:
-        checks.append(partial(_before_contact, scene))
+        checks.append(stop_before_contact(scene))
     jumps = question.revolute_jump, question.prismatic_jump
     bounds = PathStopLimits(math.inf, step, *jumps, checks)
     with refused_as(MoveItErrorCodes.START_STATE_INVALID):
         return follow_path(chain, path, question.start, task_mask=task_mask, bounds=bounds)
-
-
-def _before_contact(scene: PlanningScene, joints: JointPath) -> PathCut | None:
-    """End a path shortly before the first contact on it, or where it cannot be proved free."""
-    found = scene.check_motion(joints)
-    if found.certified:
-        return None
-    first, second = found.bodies
-    text = f"'{first}' and '{second}' would touch"
-    return PathCut(max(found.parameter - _BEFORE, 0.0), PathTrackingStatus.REJECTED, text)
 
 
 def _speed_limits(question: CartesianQuestion, followed: PathFollowingResult) -> list[SpeedLimit]:

@@ -25,6 +25,7 @@ from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.middleware.queue_depth import serve
+from robomech_ros.nodes.move_group.monitored_scene import MonitoredScene
 from robomech_ros.nodes.process.clean_pages import release_clean_pages
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.nodes.trajectory_planner.cartesian_messages import (
@@ -39,6 +40,7 @@ from robomech_ros.nodes.trajectory_planner.plan_messages import (
     plan_points,
     read_plan_request,
 )
+from robomech_ros.nodes.trajectory_planner.plans_around import ending_before_contact, plan_around
 from robomech_ros.nodes.trajectory_planner.publication import PlanPublication
 from robomech_ros.nodes.trajectory_planner.settings import PlannerSettings
 from robomech_ros.trajectory import PROFILES, nearest_turns, sampled_through_points
@@ -70,6 +72,7 @@ class TrajectoryPlannerNode(Node):
         self._limits = self._motions.limits
         self._frames = RobotFrames(self, model, self._monitor, lambda: self._table.settings)
         self._points = TrajectoryPoints()
+        self._scene = MonitoredScene(self, self._frames, self._worker)
         self._plan_once("poly345")
         self._plans = PlanPublication(self, model)
         # While one request waits for a joint state or a frame, others are served.
@@ -121,7 +124,10 @@ class TrajectoryPlannerNode(Node):
         points, turns = nearest_turns(given, free)
         options = {**wanted, **settings.most, "usual_period": settings.sample_period}
         plan = partial(self._motions.through, points, start, posture, options)
-        found = await self._planned(plan, beside=len(via) > 0)
+        scene = await self._scene.of(self._motions.way, request.ignore_collisions)
+        if scene is not None:
+            plan = partial(plan_around, scene, plan, points, options)
+        found = await self._planned(plan, beside=len(via) > 0 or scene is not None)
         self._plans.publish_waiting()
         response.turns = turns[-1].tolist()
         encode_plan(found.sampled, self._limits, wanted, self._points, response)
@@ -139,6 +145,9 @@ class TrajectoryPlannerNode(Node):
         path = wanted.path_from(self._motions.tip_pose(start))
         sampling = Sampling(settings.sample_period, **settings.most)
         options = {**wanted.options, "sampling": sampling}
+        scene = await self._scene.of(self._motions.way, request.ignore_collisions)
+        if scene is not None:
+            options["bounds"] = ending_before_contact(scene, start, options["bounds"])
         kept = 1.0 - settings.limit_margin
         plan = partial(self._motions.along, path, start, kept, options)
         found = await self._planned(plan, beside=True)

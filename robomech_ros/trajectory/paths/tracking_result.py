@@ -22,6 +22,7 @@ class PathTrackingStatus(Enum):
     JUMP = "only by a jump", Code.JUMP
     SINGULAR = "singular", Code.SINGULAR
     LIMIT = "beyond a joint limit", Code.LIMIT
+    CONTACT = "in contact", Code.COLLISION
     REJECTED = "against a condition of the caller", Code.REJECTED
 
     _value_: str

@@ -1,0 +1,77 @@
+"""The planning scene of move_group, as other nodes follow it."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from rclpy.node import Node
+
+from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.common.cooperative_wait import Worker
+from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.frames.robot_frames import RobotFrames
+from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
+from robomech_ros.robots import SerialChain
+
+if TYPE_CHECKING:
+    from robomech_ros.collision import PlanningScene
+    from robomech_ros.nodes.move_group.scenes import Scenes
+
+
+class MonitoredScene:
+    """Follows the topic ``monitored_planning_scene``, where its messages and coal are installed.
+
+    Parameters
+    ----------
+    node : Node
+    frames : RobotFrames
+        Of the robot, with its present state.
+    worker : Worker
+        Makes scenes, which takes a moment.
+    """
+
+    def __init__(self, node: Node, frames: RobotFrames, worker: Worker) -> None:
+        self._frames, self._worker = frames, worker
+        self._log = ThrottledLog(node.get_logger())
+        self._scenes: Scenes | None = None
+        try:
+            from moveit_msgs.msg import PlanningScene
+        except ImportError:
+            return
+        node.create_subscription(PlanningScene, "monitored_planning_scene", self._take, LATCHED)
+
+    async def of(self, way: Any, ignored: bool) -> "PlanningScene | None":
+        """Return the scene of a chain; None where there is none, or it is not wanted."""
+        if ignored or self._scenes is None or not isinstance(way, SerialChain):
+            return None
+        known = self._frames.monitor.known_positions(self._frames.model.joint_names)
+        return (await self._scenes.of(way, known)).copy()
+
+    def _take(self, message: Any) -> None:
+        if message.is_diff:
+            # It says where the robot is, which joint states do, too.
+            return
+        try:
+            self._adopt(message)
+        except RobomechError as error:
+            self._log.error(f"the planning scene is not followed: {error}")
+
+    def _adopt(self, message: Any) -> None:
+        from robomech_ros.nodes.move_group.scenes import Scenes
+
+        model = self._frames.model
+        if self._scenes is None:
+            self._scenes = Scenes(model, self._worker, 0.0)
+        scenes = self._scenes
+        known = self._frames.monitor.known_positions(model.joint_names)
+        world = scenes.world.copy(empty=True)
+        # Objects stand in the base, or in the link that carries them.
+        places = {model.base_frame: np.eye(4)} | dict.fromkeys(model.description.links, np.eye(4))
+        for one in message.robot_state.attached_collision_objects:
+            world.apply_attached(one, places)
+        world.allow(message.allowed_collision_matrix, scenes.ignored(known))
+        for one in message.world.collision_objects:
+            if one.header.frame_id not in (model.base_frame, model.chain.base):
+                why = f"object '{one.id[:100]}' is in '{one.header.frame_id[:100]}'"
+                raise RobomechError(f"{why}, expected '{model.base_frame}', the base")
+            world.apply_object(one, places | {model.chain.base: np.eye(4)})
+        scenes.adopt(world, known)
