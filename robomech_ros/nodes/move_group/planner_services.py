@@ -72,7 +72,7 @@ class PlannerServices:
         for name, text in given.items():
             if name not in _PARAMETERS:
                 known = ", ".join(_PARAMETERS)
-                self._log.warning(f"planner parameter '{name[:100]}' is not one of {known}")
+                self._log.warning(f"planner parameter {name[:100]!r} is not one of {known}")
                 continue
             try:
                 value = _PARAMETERS[name](text)

@@ -78,10 +78,10 @@ class SceneServices:
         return response
 
     async def _take_object(self, message: Any) -> None:
-        await self._change([message], [], f"collision object '{message.id[:100]}'")
+        await self._change([message], [], f"collision object {message.id[:100]!r}")
 
     async def _take_attached(self, message: Any) -> None:
-        what = f"attached collision object '{message.object.id[:100]}'"
+        what = f"attached collision object {message.object.id[:100]!r}"
         await self._change([], [message], what)
 
     async def _take_scene(self, scene: Any) -> bool:
@@ -121,7 +121,7 @@ class SceneServices:
             with _named(one):
                 world.apply_object(one, poses, carried)
             if one.subframe_names:
-                self._log.warning(f"the subframes of '{one.id[:100]}' are ignored")
+                self._log.warning(f"the subframes of {one.id[:100]!r} are ignored")
         return world
 
     async def _poses(self, frames: set[str]) -> dict[str, np.ndarray]:
@@ -164,4 +164,4 @@ def _named(message: Any) -> Iterator[None]:
     try:
         yield
     except RobomechError as error:
-        raise RobomechError(f"'{message.id[:100]}': {error}") from error
+        raise RobomechError(f"{message.id[:100]!r}: {error}") from error
