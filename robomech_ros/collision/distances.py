@@ -18,6 +18,9 @@ from robomech_ros.typing import Array, IntArray
 
 _near_pairs = direct(near_pairs)
 _NO_PAIRS = np.empty((0, 5))
+# Where the search for the nearest points ends (m): its own 1e-6 would show between round bodies.
+# Below 1e-11 it fails at times, and so does that for depths below its 1e-6.
+_TOLERANCE = 1e-10
 
 
 class PlacedBody(NamedTuple):
@@ -116,6 +119,7 @@ class Distances:
         self.groups: list[int] = starts.tolist()
         self._functions: dict[int, Any] = {}
         self._request, self._result = coal().DistanceRequest(), coal().DistanceResult()
+        self._request.gjk_tolerance = _TOLERANCE
         flag = coal().CollisionRequestFlag.NO_REQUEST
         self._contact_request = coal().CollisionRequest(flag, 1)
         self._contact_result = coal().CollisionResult()
