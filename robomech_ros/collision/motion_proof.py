@@ -39,6 +39,8 @@ _SHORTEST = 1e-6
 _UNCERTAIN = 1e-6
 # Places for parts that are left to coal.
 _PLACES = 4096
+# After so many parts that could not be proved, no contact is looked for behind them.
+_MOST_UNPROVED = 100
 
 
 class MotionCheck(NamedTuple):
@@ -89,6 +91,12 @@ class _Middle(NamedTuple):
     share: float
 
 
+def _preferred(one: Obstruction | None, other: Obstruction | None) -> Obstruction | None:
+    """Return the contact of two obstructions, or the earlier one."""
+    found = [each for each in (one, other) if each is not None]
+    return min(found, key=lambda each: (not each.contact, each.at), default=None)
+
+
 class MotionProof:
     """Proves pieces of motions.
 
@@ -109,8 +117,10 @@ class MotionProof:
         self._tables = joints, bodies, spheres, shapes, placed, pairs
         self._limits = np.array([clearance, _STEP])
         self._found = np.zeros(4)
-        self._parts = np.zeros((_PLACES, 2))
-        self._groups = np.zeros(_PLACES, dtype=np.int64)
+        # One part may leave all pairs open.
+        self._parts = np.zeros((max(_PLACES, count), 2))
+        self._groups = np.zeros(len(self._parts), dtype=np.int64)
+        self._unproved = 0
         self._pairs = np.zeros(count, dtype=np.int64)
         self._travel, self._low = np.zeros((2, count))
         self._poses = np.zeros((2 * count, 12))
@@ -123,26 +133,30 @@ class MotionProof:
         """
         if not len(self._all):
             return None
-        begin, end, best = 0.0, 1.0, None
+        begin, end = 0.0, 1.0
+        best: Obstruction | None = None
+        self._unproved = 0
         while True:
-            part = _part(curve, begin, end)
+            part, span = _part(curve, begin, end), end - begin
             status = self._sweep(part)
             found = self._settled(part, int(self._found[0]), first)
-            at, proved = float(self._found[1]), float(self._found[3])
-            if found is None and status == CONTACT:
-                self.least = min(self.least, self._clearance)
-                found = Obstruction(at, int(self._found[2]), True)
-                span = (end - begin) * (at - proved)
-                if first and span > _SHORTEST:
-                    # Spheres overlap in the middle of a part whose first half is not proved yet.
-                    best = found._replace(at=begin + (end - begin) * at)
-                    begin, end = begin + (end - begin) * proved, best.at
-                    continue
             if found is not None:
-                return found._replace(at=begin + (end - begin) * found.at)
-            if status == FREE:
+                best = _preferred(best, found._replace(at=begin + span * found.at))
+                if found.contact or not first:
+                    return best
+            at, proved = float(self._found[1]), float(self._found[3])
+            if status == CONTACT:
+                self.least = min(self.least, self._clearance)
+                contact = Obstruction(begin + span * at, int(self._found[2]), True)
+                best = _preferred(best, contact)
+                if not first or span * (at - proved) <= _SHORTEST:
+                    return best
+                # Spheres overlap in the middle of a part whose first half is not proved yet.
+                begin, end = begin + span * proved, contact.at
+            elif status == FREE or self._unproved >= _MOST_UNPROVED:
                 return best
-            begin += (end - begin) * at
+            else:
+                begin += span * at
 
     def _sweep(self, curve: Array) -> int:
         status: int = _sweep(
@@ -162,13 +176,11 @@ class MotionProof:
         best: Obstruction | None = None
         for k in range(count):
             begin, end = self._parts[k].tolist()
-            if best is not None and begin >= best.at:
+            if best is not None and (begin >= best.at if best.contact else not first):
                 break
-            found = self._look(curve, begin, end, int(self._groups[k]), first)
-            if found is not None and (best is None or found.at < best.at):
-                best = found
-                if not first:
-                    break
+            if self._unproved >= _MOST_UNPROVED:
+                break
+            best = _preferred(best, self._look(curve, begin, end, int(self._groups[k]), first))
         return best
 
     def _look(
@@ -180,10 +192,10 @@ class MotionProof:
         waiting = [(begin, end, self._all[ends[0] : ends[1]])]
         straight = len(curve) == 2
         part = np.empty(2)
-        while waiting:
+        while waiting and self._unproved < _MOST_UNPROVED:
             low, high, tested = waiting.pop()
             part[0], part[1] = low, high
-            if best is not None and low >= best.at:
+            if best is not None and best.contact and low >= best.at:
                 continue
             count = _group_part(
                 *self._tables,
@@ -200,7 +212,7 @@ class MotionProof:
             middle, half = 0.5 * (low + high), 0.5 * (high - low)
             found = self._middle(count)
             if found.contact >= 0:
-                best = Obstruction(middle, found.contact, True)
+                best = _preferred(best, Obstruction(middle, found.contact, True))
                 if first and found.travel >= _FIRST:
                     waiting.append((low, middle, tested))
             elif found.unclear and found.travel >= RESOLUTION:
@@ -208,8 +220,11 @@ class MotionProof:
                 proved = half * found.share if straight else 0.0
                 left = np.array(found.unclear)
                 waiting += [(middle + proved, high, left), (low, middle - proved, left)]
-            elif found.unclear and (best is None or middle < best.at):
-                best = Obstruction(middle, found.unclear[0], False)
+            elif found.unclear:
+                self._unproved += 1
+                best = _preferred(best, Obstruction(middle, found.unclear[0], False))
+            if best is not None and not first:
+                break
         return best
 
     def _middle(self, count: int) -> _Middle:
@@ -235,7 +250,8 @@ class MotionProof:
             if distance <= needed:
                 unclear.append(pair)
                 largest = max(largest, travel)
-                share = min(share, (distance - self._clearance - _UNCERTAIN) / travel)
+                if travel > 0.0:
+                    share = min(share, (distance - self._clearance - _UNCERTAIN) / travel)
         return _Middle(-1, unclear, largest, max(share, 0.0))
 
 

@@ -16,7 +16,7 @@ from robomech_ros.collision.distances import Clearance, Distances, PlacedBody
 from robomech_ros.collision.motion_proof import MotionCheck, check_motion
 from robomech_ros.collision.planning import PathPlan, PlanRequest, plan_path
 from robomech_ros.collision.robot_bodies import adjacent_links, link_shapes, place_links
-from robomech_ros.collision.shapes import Body, Mesh, Plane, Shape
+from robomech_ros.collision.shapes import LARGEST, Body, Mesh, Plane, Shape
 from robomech_ros.collision.sphere_cover import cover
 from robomech_ros.errors import BadValueError, UnknownLinkError
 from robomech_ros.kinematics.joint_values import as_finite_values
@@ -505,7 +505,11 @@ def _carrier(carried: SceneObject, link: str) -> str:
 
 
 def _covered(body: Body, most: int = _MOST_SPHERES) -> tuple[Array, Array]:
-    return cover(body.corners, body.radius, most)
+    spheres, around = cover(body.corners, body.radius, most)
+    if body.surface is not None:
+        # What is inside the hull may be outside of the surface.
+        spheres[:, 7] = -LARGEST
+    return spheres, around
 
 
 def _around(body: Body) -> Array:

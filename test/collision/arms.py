@@ -193,3 +193,13 @@ def random_postures(chain, random, count):
     lower = np.where(np.isfinite(chain.lower), chain.lower, -np.pi)
     upper = np.where(np.isfinite(chain.upper), chain.upper, np.pi)
     return random.uniform(lower, upper, (count, chain.n))
+
+
+def without_self_contact(scene):
+    """Return a scene in which only objects count."""
+    found = scene.copy()
+    for one in found.bodies:
+        for other in found.bodies:
+            if one not in found.objects and other not in found.objects:
+                found.allow(one, other)
+    return found
