@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
@@ -37,7 +38,10 @@ class MonitoredScene:
             from moveit_msgs.msg import PlanningScene
         except ImportError:
             return
-        node.create_subscription(PlanningScene, "monitored_planning_scene", self._take, LATCHED)
+        # Its states come from a publisher that keeps nothing, which is not for this subscription.
+        silent = SubscriptionEventCallbacks(use_default_callbacks=False)
+        topic = "monitored_planning_scene"
+        node.create_subscription(PlanningScene, topic, self._take, LATCHED, event_callbacks=silent)
 
     async def of(self, way: Any, ignored: bool) -> "PlanningScene | None":
         """Return the scene of a chain; None where there is none, or it is not wanted."""

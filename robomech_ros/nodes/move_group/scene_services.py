@@ -9,6 +9,7 @@ from moveit_msgs.msg import AttachedCollisionObject, CollisionObject, PlanningSc
 from moveit_msgs.srv import ApplyPlanningScene, GetPlanningScene
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.clock import Clock, ClockType
+from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
@@ -62,8 +63,9 @@ class SceneServices:
         ):
             node.create_subscription(kind, topic, take, DEPTH, callback_group=order)
         self._publisher = node.create_publisher(PlanningScene, _MONITORED, LATCHED)
-        # States would take the latched scene's place.
-        self._states = node.create_publisher(PlanningScene, _MONITORED, 10)
+        # States would take the latched scene's place; who wants that does not get them.
+        silent = PublisherEventCallbacks(use_default_callbacks=False)
+        self._states = node.create_publisher(PlanningScene, _MONITORED, 10, event_callbacks=silent)
         self._published: list[float] = []
         clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._due = node.create_timer(_TOGETHER, self._publish, clock=clock)

@@ -1,0 +1,124 @@
+"""Inverse kinematics and plans of the other nodes, which follow the scene of move_group."""
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import PoseStamped
+from move_group_client import HERE, UR5E, box
+from sensor_msgs.msg import JointState
+from shaped_arm import shaped_ur5e
+
+from robomech_interfaces.srv import PlanCartesian, PlanJoint, SolveIK
+from robomech_ros.collision import Box, PlanningScene
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.common.joint_messages import joint_state
+from robomech_ros.nodes.common.pose_messages import pose_from_matrix
+from robomech_ros.nodes.kinematics.node import KinematicsNode
+from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
+from robomech_ros.outcomes import Code
+
+# On the other side of the wall.
+THERE = np.array([-0.8, *HERE[1:]])
+ROBOT = {"robot_description": shaped_ur5e()}
+# It does not reach the base.
+WALL = box(sizes=(0.4, 0.02, 0.6), position=(0.75, 0.0, 0.3))
+
+
+@pytest.fixture
+def scene():
+    made = PlanningScene(UR5E)
+    pose = np.eye(4)
+    pose[:3, 3] = 0.75, 0.0, 0.3
+    made.add("wall", Box(0.4, 0.02, 0.6), pose)
+    return made
+
+
+def target(T):
+    return PoseStamped(pose=pose_from_matrix(T))
+
+
+def rows(trajectory):
+    return np.array([point.positions for point in trajectory.points])
+
+
+def solved(client, T, accept=lambda answer: True, **fields):
+    request = SolveIK.Request(target=target(T), seed=JointState(), **fields)
+    return client.graph.call_until(SolveIK, "kinematics/solve_ik", request, accept)
+
+
+def test_solutions_in_contact_are_left_out(client, scene):
+    client.graph.start(KinematicsNode, **ROBOT)
+    T = forward_kinematics(UR5E, HERE)
+    T[1, 3] = 0.12
+    everywhere = solved(client, T, ignore_collisions=True)
+    assert not everywhere.clearances
+    assert client.apply(WALL)
+    answer = solved(client, T, lambda answer: "left out" in answer.error_msg)
+    found = np.array([point.positions for point in answer.solutions])
+    assert 0 < len(found) < len(everywhere.solutions)
+    assert "in contact and left out" in answer.error_msg and answer.error_code == Code.NONE
+    assert answer.clearances == pytest.approx(scene.clearance(found).distance, abs=1e-9)
+
+
+def test_a_pose_in_the_wall_names_the_pair(client):
+    client.graph.start(KinematicsNode, **ROBOT)
+    assert client.apply(WALL)
+    T = forward_kinematics(UR5E, HERE)
+    T[:3, 3] = 0.7, 0.0, 0.4
+    answer = solved(client, T, lambda answer: answer.error_code != Code.NONE)
+    assert answer.error_code == Code.COLLISION and not answer.solutions
+    assert "'wall'" in answer.error_msg and "m" in answer.error_msg
+
+
+def test_a_plan_leads_around_the_wall(client, scene):
+    client.graph.start(TrajectoryPlannerNode, assume_limits=True, **ROBOT)
+    assert client.apply(WALL)
+    start, goal = (joint_state(UR5E.joint_names, q) for q in (HERE, THERE))
+    request = PlanJoint.Request(start=start, goal=goal, profile=PlanJoint.Request.TIME_OPTIMAL)
+
+    def led_around(answer):
+        return answer.error_code == Code.NONE and scene.check_motion(rows(answer.trajectory)).free
+
+    answer = client.graph.call_until(
+        PlanJoint, "trajectory_planner/plan_joint", request, led_around
+    )
+    assert scene.check_motion(rows(answer.trajectory)).certified
+    np.testing.assert_allclose(rows(answer.trajectory)[[0, -1]], [HERE, THERE], atol=1e-12)
+    request.ignore_collisions = True
+    straight = client.graph.call(PlanJoint, "trajectory_planner/plan_joint", request)
+    assert not scene.check_motion(rows(straight.trajectory)).free
+
+
+def test_what_stands_in_the_wall_is_refused(client):
+    client.graph.start(TrajectoryPlannerNode, assume_limits=True, **ROBOT)
+    assert client.apply(WALL)
+    within = HERE.copy()
+    within[0] = 0.0
+    start, goal = (joint_state(UR5E.joint_names, q) for q in (HERE, within))
+    request = PlanJoint.Request(start=start, goal=goal)
+    answer = client.graph.call_until(
+        PlanJoint,
+        "trajectory_planner/plan_joint",
+        request,
+        lambda answer: answer.error_code != Code.NONE,
+    )
+    assert answer.error_code == Code.COLLISION and not answer.trajectory.points
+    assert "the goal is in contact" in answer.error_msg and "deep" in answer.error_msg
+
+
+def test_a_path_of_the_tool_ends_before_the_wall(client, scene):
+    client.graph.start(TrajectoryPlannerNode, assume_limits=True, **ROBOT)
+    assert client.apply(WALL)
+    T = forward_kinematics(UR5E, HERE)
+    T[1, 3] -= 0.6
+    request = PlanCartesian.Request(
+        start=joint_state(UR5E.joint_names, HERE), waypoints=[target(T)]
+    )
+    answer = client.graph.call_until(
+        PlanCartesian,
+        "trajectory_planner/plan_cartesian",
+        request,
+        lambda answer: answer.error_code == Code.COLLISION,
+    )
+    assert 0.05 < answer.fraction < 0.95 and "would touch" in answer.stop_reason
+    found = scene.check_motion(rows(answer.trajectory))
+    assert found.certified and scene.clearance(rows(answer.trajectory)[-1]).distance < 0.01
