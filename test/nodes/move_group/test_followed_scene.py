@@ -17,17 +17,17 @@ from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.outcomes import Code
 
 # On the other side of the wall.
-THERE = np.array([-0.8, *HERE[1:]])
+THERE = np.array([-1.0, *HERE[1:]])
 ROBOT = {"robot_description": shaped_ur5e()}
 # It does not reach the base.
-WALL = box(sizes=(0.4, 0.02, 0.6), position=(0.75, 0.0, 0.3))
+WALL = box(sizes=(0.4, 0.02, 0.6), position=(0.65, 0.0, 0.3))
 
 
 @pytest.fixture
 def scene():
     made = PlanningScene(UR5E)
     pose = np.eye(4)
-    pose[:3, 3] = 0.75, 0.0, 0.3
+    pose[:3, 3] = 0.65, 0.0, 0.3
     made.add("wall", Box(0.4, 0.02, 0.6), pose)
     return made
 
@@ -109,7 +109,7 @@ def test_a_path_of_the_tool_ends_before_the_wall(client, scene):
     client.graph.start(TrajectoryPlannerNode, assume_limits=True, **ROBOT)
     assert client.apply(WALL)
     T = forward_kinematics(UR5E, HERE)
-    T[1, 3] -= 0.6
+    T[:2, 3] += 0.15, -0.6
     request = PlanCartesian.Request(
         start=joint_state(UR5E.joint_names, HERE), waypoints=[target(T)]
     )
