@@ -65,7 +65,11 @@ def six_joints():
         link("fore", (Cylinder(0.04, 0.3), (0, 0, 0.16), 0)),
         link("wrist", (Sphere(0.05), (0, 0, 0), 0)),
         link("bend", (Box(0.06, 0.05, 0.1), (0, 0, 0.04), 0.3)),
-        link("hand", (Box(0.2, 0.03, 0.04), (0, 0, 0.06), 0), (Cylinder(0.02, 0.1), (0.08, 0, 0.12), 0)),
+        link(
+            "hand",
+            (Box(0.2, 0.03, 0.04), (0, 0, 0.06), 0),
+            (Cylinder(0.02, 0.1), (0.08, 0, 0.12), 0),
+        ),
         link("tip"),
         joint("j1", "base", "shoulder", "0 0 0.2"),
         joint("j2", "shoulder", "upper", "0 0.1 0", "0 1 0", limits=(-2, 2)),
@@ -115,7 +119,9 @@ def wedge_mesh():
 def torus_mesh(radius=0.2, thickness=0.05, around=24, across=12):
     """Return a ring about z."""
     u, v = np.meshgrid(
-        2 * np.pi * np.arange(around) / around, 2 * np.pi * np.arange(across) / across, indexing="ij"
+        2 * np.pi * np.arange(around) / around,
+        2 * np.pi * np.arange(across) / across,
+        indexing="ij",
     )
     out = radius + thickness * np.cos(v)
     vertices = np.stack([out * np.cos(u), out * np.sin(u), thickness * np.sin(v)], axis=-1)
@@ -184,7 +190,13 @@ def random_pose(random, reach):
 def random_shape(random):
     """Return one of the shapes, of 2 to 40 cm."""
     a, b, c = random.uniform(0.02, 0.4, 3)
-    kinds = (Box(a, b, c), Sphere(0.5 * a), Cylinder(0.5 * a, b), Capsule(0.5 * a, b), Cone(0.5 * a, b))
+    kinds = (
+        Box(a, b, c),
+        Sphere(0.5 * a),
+        Cylinder(0.5 * a, b),
+        Capsule(0.5 * a, b),
+        Cone(0.5 * a, b),
+    )
     return kinds[random.integers(len(kinds))]
 
 

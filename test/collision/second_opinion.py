@@ -71,7 +71,9 @@ class SecondOpinion:
         return self.model.frames[self.model.getFrameId(link)]
 
     def _add(self, owner, frame, pose, *geometries):
-        joint, placement = (frame.parentJoint, frame.placement) if frame else (0, pin.SE3.Identity())
+        joint, placement = (
+            (frame.parentJoint, frame.placement) if frame else (0, pin.SE3.Identity())
+        )
         for one in geometries:
             name = f"{owner} {len(self.owners)}"
             added = pin.GeometryObject(name, joint, placement * pose, one)
@@ -102,9 +104,7 @@ class SecondOpinion:
 
     def clearance(self, q):
         """Return the least distance (m), and its two bodies."""
-        at = pin.computeDistances(
-            self.model, self.data, self.geometry, self.found, self.posture(q)
-        )
+        at = pin.computeDistances(self.model, self.data, self.geometry, self.found, self.posture(q))
         pair = self.geometry.collisionPairs[at]
         owners = frozenset((self.owners[pair.first], self.owners[pair.second]))
         return self.found.distanceResults[at].min_distance, owners

@@ -141,7 +141,9 @@ def test_padding_makes_links_wider_against_objects_only():
     )
     plain, padded = without_self_contact(plain), without_self_contact(padded)
     for scene in (plain, padded):
-        scene.add("wall", Box(0.1, 2.0, 2.0), [[1, 0, 0, 0.6], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+        scene.add(
+            "wall", Box(0.1, 2.0, 2.0), [[1, 0, 0, 0.6], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+        )
         scene.add("floor", Plane((0, 0, 1), -0.1))
     before, after = plain.clearance(postures), padded.clearance(postures)
     np.testing.assert_allclose(before.distance - 0.02, after.distance, atol=1e-9)
@@ -160,7 +162,10 @@ def test_fingers_stand_where_they_are_said_to(make):
 
 
 def test_mimicking_fingers_of_the_chain():
-    scene, random = PlanningScene(sliding(), base="rail", tip="left_finger"), np.random.default_rng(6)
+    scene, random = (
+        PlanningScene(sliding(), base="rail", tip="left_finger"),
+        np.random.default_rng(6),
+    )
     assert "left" in scene.chain.joint_names
     for k in range(10):
         scene.add(f"object_{k}", random_shape(random), random_pose(random, 0.8))
@@ -191,8 +196,10 @@ def test_what_links_carry_moves_with_them(make):
     scene.attach("tool", "hand", ["bend"])
     judge = SecondOpinion(scene, shapes_of(scene))
     agree(scene, judge, random_postures(scene.chain, random, 80))
-    assert any("tool" in bodies for bodies in scene.clearance(
-        random_postures(scene.chain, random, 60)).bodies)
+    assert any(
+        "tool" in bodies
+        for bodies in scene.clearance(random_postures(scene.chain, random, 60)).bodies
+    )
 
 
 def test_half_spaces(make):

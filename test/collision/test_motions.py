@@ -38,9 +38,7 @@ in_cell = pytest.mark.skipif(CELL is None, reason="robots with meshes are not he
 
 
 def limits_of(chain):
-    return Limits.of(
-        Limits(chain.joint_names, velocity=2.0, acceleration=6.0, jerk=60.0)
-    )
+    return Limits.of(Limits(chain.joint_names, velocity=2.0, acceleration=6.0, jerk=60.0))
 
 
 def waypoints(points, limits):
@@ -276,8 +274,12 @@ def test_a_carried_ring_is_moved_over_a_post():
     """A mesh that is not convex may have something in its hole."""
     scene = without_self_contact(on_rail())
     scene.add("ring", Mesh(*torus_mesh(0.12, 0.02)))
-    scene.attach("ring", "palm", ["left_finger", "right_finger"], pose=[
-        [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, -0.25], [0, 0, 0, 1]])
+    scene.attach(
+        "ring",
+        "palm",
+        ["left_finger", "right_finger"],
+        pose=[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, -0.25], [0, 0, 0, 1]],
+    )
     high, low = np.array([0.0, 0.0, -0.1, 0.0]), np.array([0.0, 0.0, 0.2, 0.0])
     tip = forward_kinematics(scene.chain, low)[:3, 3]
     pose = np.eye(4)

@@ -25,18 +25,8 @@ from robomech_ros._kernels.collision.shapes import (
     place_frames,
     signed_distance,
 )
-from robomech_ros._kernels.compiling.jit import (
-    IIN1,
-    IN1,
-    IN2,
-    IOUT1,
-    OUT1,
-    OUT2,
-    f8,
-    i8,
-    kernel,
-    lean,
-)
+from robomech_ros._kernels.compiling.jit import kernel, lean
+from robomech_ros._kernels.compiling.types import IIN1, IN1, IN2, IOUT1, OUT1, OUT2, f8, i8
 
 # A pair is surely too near if spheres inside the bodies are, by more than rounding (m).
 _ROUNDING = 1e-9

@@ -42,8 +42,8 @@ class Findings:
     (rad or m). The task says which of x, y, z, rx, ry, rz, along and about the axes of the target,
     count as errors. Of an arm with fewer joints than conditions, where there is no solution,
     ``nearest`` (n,) is the posture inside the limits that misses the pose least in the sense of
-    least squares (rad or m); the reason says by how much. ``clearances`` (k,) are the least distances
-    (m) between bodies at the solutions, where a scene was given.
+    least squares (rad or m); the reason says by how much. Where a scene was given, ``clearances``
+    (k,) are the least distances (m) between bodies at the solutions.
     """
 
     family: str
