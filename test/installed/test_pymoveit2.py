@@ -17,6 +17,7 @@ from robomech_ros.collision import Box, PlanningScene
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, pose_from_matrix
+from robomech_ros.nodes.middleware.retrying_client import RetriedRequest
 from robomech_ros.robots import load_description
 
 pymoveit2 = pytest.importorskip("pymoveit2")
@@ -58,6 +59,24 @@ def made(outsider, kind, **options):
     """
     make = partial(kind, node=outsider.node, **options)
     return done(outsider.node.executor.create_task(make))
+
+
+def wait_until_known(outsider):
+    """Wait until the nodes know the clients of this process, and not only these the nodes.
+
+    Until then answers are lost (https://github.com/ros2/rmw_fastrtps/issues/842).
+    """
+    client = outsider.node.create_client(GetPlanningScene, "get_planning_scene")
+    assert client.wait_for_service(PATIENCE)
+    request = RetriedRequest(client, GetPlanningScene, GetPlanningScene.Request())
+    deadline = time.monotonic() + PATIENCE
+    while not request.answered.done():
+        assert time.monotonic() < deadline
+        request.repeat_if_due()
+        time.sleep(0.05)
+    request.give_up()
+    # What else there is of both processes becomes known at the same time.
+    time.sleep(1.0)
 
 
 class Arm:
@@ -119,8 +138,7 @@ def arm(bringup, outsider, tmp_path):
         arguments = ("--robot", str(urdf), "--move-group", "--no-servo")
         with bringup(*arguments):
             client = Arm(outsider, **options)
-            request = GetPlanningScene.Request()
-            outsider.call(GetPlanningScene, "get_planning_scene", request)
+            wait_until_known(outsider)
             outsider.wait_for_joints(lambda q: True)
             client.go(HERE)
             try:
@@ -282,7 +300,7 @@ def test_a_servo(bringup, suite, outsider, tmp_path):
         suite.node("servo_node", *options),
     ):
         client = Arm(outsider)
-        outsider.call(GetPlanningScene, "get_planning_scene", GetPlanningScene.Request())
+        wait_until_known(outsider)
         client.go(HERE)
         start = forward_kinematics(UR5E, client.position)
         servo = made(
