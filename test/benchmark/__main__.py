@@ -23,6 +23,7 @@ GROUPS = (
     "parallel",
     "walking",
     "hands",
+    "collision",
     "rolling",
     "nodes",
     "view",
