@@ -1,7 +1,6 @@
 """The node that answers questions of dynamics: efforts, accelerations, inertia, payload."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -22,10 +21,10 @@ from robomech_ros.errors import RobomechError, WrongSizeError
 from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.nodes.common.error_codes import answer, guarded
 from robomech_ros.nodes.common.joint_messages import received_trajectory
-from robomech_ros.nodes.common.joint_positions import JointPositions, StateSettings
+from robomech_ros.nodes.common.joint_positions import JointPositions
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.message_fields import floats
-from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError, changeable
+from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.dynamics.drives import Drives
@@ -39,42 +38,12 @@ from robomech_ros.nodes.dynamics.messages import (
     tip_wrench,
     without_rates,
 )
+from robomech_ros.nodes.dynamics.settings import DynamicsSettings, check_settings
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.typing import Array
-
-
-@dataclass(frozen=True)
-class DynamicsSettings(StateSettings):
-    """Parameters of the node."""
-
-    gravity: tuple[float, ...] = changeable(
-        (0.0, 0.0, -9.81),
-        "Gravity vector (down) in the base link of the chain, for requests without one",
-        (-1000.0, 1000.0, "m/s^2"),
-    )
-    max_batch_size: int = changeable(
-        10_000,
-        "Largest number of points in one InverseDynamics or SummarizeTorques request",
-        (1, 1_000_000, "points"),
-    )
-    summary_period: float = changeable(
-        0.002,
-        "Largest time step of SummarizeTorques; increased if there would be more than 100,000 "
-        "steps",
-        (1e-4, 1.0, "s"),
-    )
-    max_duration: float = changeable(
-        3600.0, "Longest trajectory for SummarizeTorques", (0.001, 1e6, "s")
-    )
-
-
-def check_settings(settings: DynamicsSettings) -> None:
-    """Refuse a gravity that is no vector."""
-    if len(settings.gravity) != 3:
-        raise ParameterError("gravity", list(settings.gravity), "a list of 3 numbers: x, y, z")
 
 
 class DynamicsNode(Node):

@@ -1,7 +1,6 @@
 """The node that answers what a hand holds: closure, forces and postures of grasps."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from importlib.util import find_spec
 from typing import Any
@@ -29,10 +28,9 @@ from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.error_codes import OutcomeError, guarded
 from robomech_ros.nodes.common.joint_messages import positions_by_name
 from robomech_ros.nodes.common.joint_positions import is_empty
-from robomech_ros.nodes.common.parameters import NodeParameters, changeable, parameter
+from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.readiness import Readiness
-from robomech_ros.nodes.common.robot_description import check_frame_prefix
 from robomech_ros.nodes.grasping.answers import analysed, fill_efforts, fill_forces, fill_postures
 from robomech_ros.nodes.grasping.requests import (
     GivenHand,
@@ -41,40 +39,13 @@ from robomech_ros.nodes.grasping.requests import (
     read_origin,
     read_points,
 )
+from robomech_ros.nodes.grasping.settings import GraspingSettings, check_settings
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.outcomes import Code
 
 _TOLERANCE = 1e-4
 _POSTURES = 100
-
-
-@dataclass(frozen=True)
-class GraspingSettings:
-    """Parameters of the node."""
-
-    robot_description: str = parameter(
-        "",
-        "Hand: name in config/robots/hands, or path or text of its YAML. Empty = none: only "
-        "contacts are analysed",
-    )
-    frame_prefix: str = parameter("", "Prefix of the hand's frames in headers, such as left/")
-    max_wrenches: int = changeable(
-        2000,
-        "Largest number of wrenches used for the quality bounds; then these are returned as they "
-        "are",
-        (10, 5000),
-    )
-    max_queue_time: float = changeable(
-        30.0,
-        "Longest wait of analyze_grasp for earlier requests; then it fails with code 205",
-        (1e-9, 1e6, "s"),
-    )
-
-
-def check_settings(settings: GraspingSettings) -> None:
-    """Refuse a prefix that tf does not allow."""
-    check_frame_prefix(settings.frame_prefix)
 
 
 class GraspingNode(Node):
