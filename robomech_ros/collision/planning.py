@@ -21,15 +21,14 @@ from robomech_ros.spatial import as_pose
 from robomech_ros.spatial.arrays import as_choice, finite_within, whole_number
 from robomech_ros.typing import Array
 
-# Of OMPL, those that plan from a start to goals without more than which motions are free.
+# Of OMPL, those that plan from a start to goals without more than which motions are free.  PRM and
+# PRMstar wait for ever: their own thread asks Python whether time is up.
 PLANNERS = (
     "RRTConnect",
     "RRT",
     "RRTstar",
     "InformedRRTstar",
     "BITstar",
-    "PRM",
-    "PRMstar",
     "FMT",
     "BFMT",
     "KPIECE1",
