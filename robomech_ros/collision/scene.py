@@ -487,7 +487,9 @@ def _semantic(given: Any, description: RobotDescription | None) -> SemanticDescr
 def _parts(shape: Shapes) -> tuple[tuple[Shape, Body, Array], ...]:
     given = [(shape, np.eye(4))] if isinstance(shape, Shape) else list(shape)
     parts = []
-    for one, pose in given:
+    for pair in given:
+        is_pair = isinstance(pair, Sequence) and len(pair) == 2
+        one, pose = pair if is_pair else (pair, None)
         if not isinstance(one, Shape):
             raise BadValueError(
                 "shape", one, "a Box, Sphere, Cylinder, Capsule, Cone, Plane or Mesh"

@@ -57,10 +57,10 @@ def read_object(
                 shapes.append(
                     (read(one, folder), read_pose(poses[k]) if k < len(poses) else np.eye(4))
                 )
-            except (TypeError, KeyError, IndexError) as error:
-                raise BadValueError(f"{kind} {k} of object '{name}'", one, str(error)) from None
             except RobomechError as error:
                 raise BadValueError(f"{kind} {k} of object '{name}'", "given", str(error)) from None
+            except (TypeError, ValueError, KeyError, IndexError) as error:
+                raise BadValueError(f"{kind} {k} of object '{name}'", one, str(error)) from None
     if not shapes:
         raise BadValueError(f"shapes of object '{name}'", "none", "primitives, meshes or planes")
     return name, frame, shapes, read_pose(_section(given, "pose"))
@@ -69,11 +69,14 @@ def read_object(
 def read_pose(given: Mapping[str, Any]) -> Array:
     """Return a pose (4, 4) of a pose message as a mapping; what is missing is 0, or no rotation."""
     position, turn = _section(given, "position"), _section(given, "orientation")
-    quaternion = [float(turn.get(key, 0.0)) for key in "xyzw"]
+    try:
+        quaternion = [float(turn.get(key, 0.0)) for key in "xyzw"]
+        origin = [float(position.get(key, 0.0)) for key in "xyz"]
+    except (TypeError, ValueError):
+        raise BadValueError("pose", dict(given), "numbers") from None
     if not any(quaternion):
         # The value of a message that nobody has filled.
         quaternion[3] = 1.0
-    origin = [float(position.get(key, 0.0)) for key in "xyz"]
     return pose_from_position_quaternion(origin, quaternion)
 
 

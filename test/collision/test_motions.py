@@ -277,7 +277,7 @@ def test_a_carried_ring_is_moved_over_a_post():
     scene.attach(
         "ring",
         "palm",
-        ["left_finger", "right_finger"],
+        scene.bodies[:-1],
         pose=[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, -0.25], [0, 0, 0, 1]],
     )
     high, low = np.array([0.0, 0.0, -0.1, 0.0]), np.array([0.0, 0.0, 0.2, 0.0])
