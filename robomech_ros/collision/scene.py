@@ -485,15 +485,13 @@ def _semantic(given: Any, description: RobotDescription | None) -> SemanticDescr
 
 
 def _parts(shape: Shapes) -> tuple[tuple[Shape, Body, Array], ...]:
-    given = [(shape, np.eye(4))] if isinstance(shape, Shape) else list(shape)
+    given: list[Any] = [(shape, np.eye(4))] if isinstance(shape, Shape) else list(shape)
     parts = []
     for pair in given:
-        is_pair = isinstance(pair, Sequence) and len(pair) == 2
-        one, pose = pair if is_pair else (pair, None)
-        if not isinstance(one, Shape):
-            raise BadValueError(
-                "shape", one, "a Box, Sphere, Cylinder, Capsule, Cone, Plane or Mesh"
-            )
+        one, pose = pair if isinstance(pair, Sequence) and len(pair) == 2 else (pair, None)
+        if not isinstance(one, Shape) or pose is None:
+            expected = "a Box, Sphere, Cylinder, Capsule, Cone, Plane or Mesh, or pairs with poses"
+            raise BadValueError("shape", one, expected)
         parts.append((one, one.body(), as_pose(pose, what="pose of a shape")))
     if not parts:
         raise BadValueError("shape", shape, "at least one")
