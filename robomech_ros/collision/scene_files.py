@@ -81,7 +81,7 @@ def read_pose(given: Mapping[str, Any]) -> Array:
 
 
 def allow_pairs(scene: Any, matrix: Mapping[str, Any]) -> None:
-    """Allow the pairs of an allowed collision matrix to touch, and look at the others of it."""
+    """Allow the pairs of an allowed collision matrix to touch; others stay as they are."""
     names = [str(name) for name in matrix.get("entry_names") or ()]
     for i, row in enumerate(_entries(matrix, "entry_values")):
         enabled = row.get("enabled") or ()
