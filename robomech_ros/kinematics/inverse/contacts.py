@@ -36,6 +36,8 @@ def without_contacts(
     most : int or None
         Keep at most so many.
     """
+    if not hasattr(scene, "clearance") or not hasattr(scene, "chain"):
+        raise BadValueError("scene", scene, "a PlanningScene")
     if tuple(scene.chain.joint_names) != result.chain.joint_names:
         expected = f"one of joints {', '.join(result.chain.joint_names)}"
         raise BadValueError("scene", ", ".join(scene.chain.joint_names), expected)

@@ -6,7 +6,7 @@ from robomech_ros.outcomes import Code
 
 
 class Status(IntEnum):
-    """Outcome of the mathematics; numbers, and all names but two, are those of the table of outcomes."""
+    """Outcome of the mathematics; numbers, and all names but two, are those of all outcomes."""
 
     SUCCESS = Code.NONE
     OUT_OF_REACH = Code.OUT_OF_REACH
