@@ -121,7 +121,9 @@ def other_suite(network: Mapping[str, str]) -> Installed:
     place = ROOT / folder / "bin"
     if not (place / "robomech").exists():
         pytest.fail(f"{folder} is missing; `make setup ROS_DISTRO={distribution}` makes it")
-    return Installed(place, clean_environment(**network))
+    middleware = "FASTDDS" if distribution == "kilted" else "FASTRTPS"
+    profile = {f"{middleware}_DEFAULT_PROFILES_FILE": str(ROOT / "test" / "data" / "loopback.xml")}
+    return Installed(place, clean_environment(**network, **profile))
 
 
 @pytest.fixture(scope="session")
