@@ -6,6 +6,21 @@ from typing import Any
 
 from robomech_ros.errors import RobomechError
 
+# Of OMPL, those that plan from a start to goals without more than which motions are free.  PRM and
+# PRMstar wait for ever: their own thread asks Python whether time is up.
+PLANNERS = (
+    "RRTConnect",
+    "RRT",
+    "RRTstar",
+    "InformedRRTstar",
+    "BITstar",
+    "FMT",
+    "BFMT",
+    "KPIECE1",
+    "BKPIECE1",
+    "LBKPIECE1",
+)
+
 
 class MissingLibraryError(RobomechError):
     """A library that collisions need is not installed."""

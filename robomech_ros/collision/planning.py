@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.collision.libraries import ompl
+from robomech_ros.collision.libraries import PLANNERS, ompl
 from robomech_ros.collision.motion_proof import MotionProof, check_motion
 from robomech_ros.errors import RobomechError, SeedOutsideLimitsError
 from robomech_ros.kinematics import inverse_kinematics
@@ -21,20 +21,6 @@ from robomech_ros.spatial import as_pose
 from robomech_ros.spatial.arrays import as_choice, finite_within, whole_number
 from robomech_ros.typing import Array
 
-# Of OMPL, those that plan from a start to goals without more than which motions are free.  PRM and
-# PRMstar wait for ever: their own thread asks Python whether time is up.
-PLANNERS = (
-    "RRTConnect",
-    "RRT",
-    "RRTstar",
-    "InformedRRTstar",
-    "BITstar",
-    "FMT",
-    "BFMT",
-    "KPIECE1",
-    "BKPIECE1",
-    "LBKPIECE1",
-)
 # The longest step of a tree (rad and m together).
 _RANGE = 1.5
 # What positions may be beyond their limits by rounding (rad or m).

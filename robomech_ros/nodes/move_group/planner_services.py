@@ -8,7 +8,7 @@ from moveit_msgs.srv import GetPlannerParams, QueryPlannerInterfaces, SetPlanner
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from robomech_ros.collision.planning import PLANNERS
+from robomech_ros.collision.libraries import PLANNERS
 from robomech_ros.nodes.common.parameters import table_rows
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog

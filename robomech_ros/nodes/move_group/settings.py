@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from robomech_ros.collision.planning import PLANNERS
+from robomech_ros.collision.libraries import PLANNERS
 from robomech_ros.nodes.common.parameters import changeable, parameter
 from robomech_ros.nodes.common.plan_settings import PlanSettings
 

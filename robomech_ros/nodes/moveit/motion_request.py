@@ -10,7 +10,7 @@ from geometry_msgs.msg import Pose
 from moveit_msgs.msg import MoveItErrorCodes
 from shape_msgs.msg import SolidPrimitive
 
-from robomech_ros.collision.planning import PLANNERS
+from robomech_ros.collision.libraries import PLANNERS
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.common.message_fields import finite_number, not_negative
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, point_vector

@@ -89,7 +89,10 @@ def test_ports_in_shared_memory_that_killed_processes_left_are_removed(
         assert [path.name for path in tmp_path.iterdir()] == [elsewhere]
 
 
-def test_the_port_of_a_living_process_stays(two_domains):
+def test_the_port_of_a_living_process_stays(two_domains, monkeypatch):
+    # The profile of the tests has no shared memory.
+    monkeypatch.delenv("FASTDDS_DEFAULT_PROFILES_FILE", raising=False)
+    monkeypatch.delenv("FASTRTPS_DEFAULT_PROFILES_FILE", raising=False)
     with free_domain() as number:
         context = rclpy.Context()
         rclpy.init(args=[], context=context, domain_id=number)

@@ -19,10 +19,16 @@ def shown():
         yield page, tab
 
 
+def command(page, name, axis, value):
+    """Move a slider."""
+    layer = page._layers[0]
+    layer.ask(name, layer._command, name, axis, value)
+
+
 def test_a_base_drives_on_the_page_and_leaves_a_trail(shown):
     page, tab = shown
     base = page._arm
-    page._layers[0]._command("forward", 1, 0.4)
+    command(page, "forward", 1, 0.4)
     tab.wait_for("__viserMutable.nodeRefFromName['/base/way_ahead']")
     press(tab, field("drive"))
     wait_until(lambda: len(base.trail.points) > 10)
@@ -35,6 +41,6 @@ def test_a_base_drives_on_the_page_and_leaves_a_trail(shown):
 
 def test_what_limits_a_command_is_said(shown):
     page, tab = shown
-    page._layers[0]._command("forward", 1, 0.8)
-    page._layers[0]._command("sideways", 2, 0.8)
+    command(page, "forward", 1, 0.8)
+    command(page, "sideways", 2, 0.8)
     tab.wait_for("document.querySelector('[data-sentence]').innerText.includes('rear_left')")
