@@ -67,8 +67,8 @@ class PlanningScene:
     """A robot and the objects around it.
 
     Links of robots without collision elements in their URDF are not checked, and neither are those
-    whose meshes cannot be read: see `has_geometry` and `unchecked`.  The convex hull stands for the
-    mesh of a link.
+    whose meshes cannot be read: see `has_geometry` and `unchecked`.  A closed mesh of a link that
+    is not convex is covered by convex parts; the hull stands for an open or small one.
 
     Parameters
     ----------
@@ -88,10 +88,11 @@ class PlanningScene:
 
     Examples
     --------
-    >>> import numpy as np
     >>> from robomech_ros.collision import Box, PlanningScene
-    >>> scene = PlanningScene("ur5e_with_shapes")  # doctest: +SKIP
-    >>> scene.add("table", Box(1.0, 1.0, 0.1))  # doctest: +SKIP
+    >>> scene = PlanningScene("ur5e")
+    >>> scene.add("table", Box(1.0, 1.0, 0.1))
+    >>> scene.bodies, scene.has_geometry
+    (('table',), False)
     """
 
     def __init__(
