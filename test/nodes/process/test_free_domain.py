@@ -6,8 +6,6 @@ import sys
 from pathlib import Path
 
 import pytest
-import rclpy
-from rclpy.node import Node
 
 from robomech_ros import fastdds_shared_memory
 from robomech_ros.nodes.process import free_domain as module
@@ -36,6 +34,16 @@ def two_domains(monkeypatch, first):
     domains = range(first, first + 2)
     monkeypatch.setattr(module, "_DOMAINS", domains)
     return domains
+
+
+# A process with a node, until it reads a line.
+_LIVING = """
+import rclpy
+rclpy.init()
+node = rclpy.create_node("living", start_parameter_services=False)
+print("there", flush=True)
+input()
+"""
 
 
 def test_a_domain_is_given_once_and_again_when_it_is_free(two_domains):
@@ -89,18 +97,17 @@ def test_ports_in_shared_memory_that_killed_processes_left_are_removed(
         assert [path.name for path in tmp_path.iterdir()] == [elsewhere]
 
 
-def test_the_port_of_a_living_process_stays(two_domains, monkeypatch):
-    # The profile of the tests has no shared memory.
-    monkeypatch.delenv("FASTDDS_DEFAULT_PROFILES_FILE", raising=False)
-    monkeypatch.delenv("FASTRTPS_DEFAULT_PROFILES_FILE", raising=False)
+def test_the_port_of_a_living_process_stays(two_domains):
+    # The profile of the tests has no shared memory, and a process reads it once.
+    foreign = {name: value for name, value in os.environ.items() if "PROFILES_FILE" not in name}
     with free_domain() as number:
-        context = rclpy.Context()
-        rclpy.init(args=[], context=context, domain_id=number)
-        try:
-            node = Node("living", context=context, start_parameter_services=False)
-            own = fastdds_shared_memory.ports_of_domain(number)
+        own = fastdds_shared_memory.ports_of_domain(number)
+        command = [sys.executable, "-c", _LIVING]
+        environment = {**foreign, "ROS_DOMAIN_ID": str(number)}
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+        with subprocess.Popen(command, env=environment, text=True, **pipes) as living:
+            assert living.stdout.readline() == "there\n"
             ports = {path for k in own for path in Path("/dev/shm").glob(f"fastdds_port{k}")}
-            assert ports and not fastdds_shared_memory.dead_ports(own)
-            node.destroy_node()
-        finally:
-            context.try_shutdown()
+            dead = fastdds_shared_memory.dead_ports(own)
+            living.communicate("\n")
+    assert ports and not dead
