@@ -27,7 +27,10 @@ if TYPE_CHECKING:
         Shape as Shape,
         Sphere as Sphere,
     )
-    from robomech_ros.collision.timed_path import timed_path as timed_path
+    from robomech_ros.collision.timed_path import (
+        NotFreeError as NotFreeError,
+        timed_path as timed_path,
+    )
     from robomech_ros.robots.urdf.mesh_files import MeshError as MeshError
 
 __getattr__, __all__ = lazy_exports(__name__, globals())

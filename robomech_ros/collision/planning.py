@@ -18,7 +18,7 @@ from robomech_ros.kinematics import inverse_kinematics
 from robomech_ros.kinematics.joint_values import as_finite_values, as_posture
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial import as_pose
-from robomech_ros.spatial.arrays import as_choice, finite_within, whole_number
+from robomech_ros.spatial.arrays import as_choice, finite_within, real_array, whole_number
 from robomech_ros.typing import Array
 
 # The longest step of a tree (rad and m together).
@@ -255,7 +255,7 @@ def _check_limits(chain: SerialChain, q: Array, what: str) -> None:
 def _postures(scene: Any, goals: npt.ArrayLike, start: Array) -> tuple[Array, str]:
     """Return the postures (k, n) that are goals; where there are none, why."""
     chain = scene.chain
-    given = np.asarray(goals, dtype=np.float64) if not isinstance(goals, np.ndarray) else goals
+    given = real_array("goals", goals)
     if given.shape == (4, 4) and (chain.n != 4 or _is_pose(given)):
         found = inverse_kinematics(chain, as_pose(given), seed=start)
         return found.q, found.reason

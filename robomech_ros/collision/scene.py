@@ -26,7 +26,7 @@ from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.entry_checks import bare_link, check_name
 from robomech_ros.robots.semantic import SemanticDescription
 from robomech_ros.spatial import as_pose, inverse_pose
-from robomech_ros.spatial.arrays import finite_within
+from robomech_ros.spatial.arrays import finite_within, listed
 from robomech_ros.typing import Array, BoolArray
 
 # Spheres that cover a body of the robot: more are nearer to its shape, and take longer.
@@ -116,7 +116,7 @@ class PlanningScene:
             count = max(_MOST_SPHERES // len(bodies), _FEWEST_SPHERES)
             self._links += [(link, body, pose, *_covered(body, count)) for body in bodies]
         self._allowed: dict[frozenset[str], str] = {}
-        self._place()
+        self._places = place_links(self.chain, self._others)
         self._ignore(_semantic(srdf, self.chain.description))
 
     def copy(self) -> PlanningScene:
@@ -224,7 +224,8 @@ class PlanningScene:
         """
         found = self._object(name)
         link = _carrier(found, self._known(link))
-        touching = frozenset(map(self._known, touch_links))
+        links = listed("touch_links", touch_links, "names of links")
+        touching = frozenset(map(self._known, links))
         placed = found.pose if pose is None else as_pose(pose)
         if pose is None and q is not None:
             placed = inverse_pose(self.link_pose(link, q)) @ found.pose
@@ -242,6 +243,10 @@ class PlanningScene:
 
     def allow(self, first: str, second: str, why: str = "allowed") -> None:
         """Let two bodies touch, links or objects."""
+        known = {*self._places.links, *self._objects}
+        for name in (first, second):
+            if name not in known:
+                raise BadValueError("body", name, f"one of {', '.join(self.bodies)}, or a link")
         self._allowed[frozenset((first, second))] = why
         self._changed()
 
@@ -255,18 +260,24 @@ class PlanningScene:
         own = [name for name in positions if name in self.chain.joint_names]
         if own:
             raise BadValueError("joint", own[0], "one that is none of the chain")
-        self._others = {**self._others, **positions}
-        self._place()
+        others = {**self._others, **positions}
+        self._places = place_links(self.chain, others)
+        self._others = others
+        self._changed()
 
     def load(self, scene: Mapping[str, Any] | str | os.PathLike[str]) -> None:
         """Add what a scene of MoveIt holds, from a file or a mapping in its layout.
 
         It has ``world.collision_objects``, ``robot_state.attached_collision_objects`` and
-        ``allowed_collision_matrix``, each of which may be missing.
+        ``allowed_collision_matrix``, each of which may be missing.  It is added as a whole, or not
+        at all.
         """
         from robomech_ros.collision.scene_files import load_scene
 
-        load_scene(self, scene)
+        loaded = self.copy()
+        load_scene(loaded, scene)
+        self._objects, self._allowed = loaded._objects, loaded._allowed
+        self._changed()
 
     def link_pose(self, link: str, q: npt.ArrayLike) -> Array:
         """Return the pose (4, 4) of a link in the base at q (n,) (m)."""
@@ -434,10 +445,6 @@ class PlanningScene:
         for number in always:
             why = f"in contact at all of {_POSTURES} random postures"
             self._allowed.setdefault(frozenset(found.names(number)), why)
-        self._changed()
-
-    def _place(self) -> None:
-        self._places = place_links(self.chain, self._others)
         self._changed()
 
     def _change(self, objects: dict[str, SceneObject]) -> None:

@@ -83,10 +83,12 @@ def read_pose(given: Mapping[str, Any]) -> Array:
 def allow_pairs(scene: Any, matrix: Mapping[str, Any]) -> None:
     """Allow the pairs of an allowed collision matrix to touch; others stay as they are."""
     names = [str(name) for name in matrix.get("entry_names") or ()]
+    known = set(scene.bodies)
     for i, row in enumerate(_entries(matrix, "entry_values")):
         enabled = row.get("enabled") or ()
         for j, allowed in enumerate(enabled):
-            if j < i < len(names) and j < len(names) and allowed:
+            # A matrix may name bodies of another robot.
+            if j < i < len(names) and allowed and {names[i], names[j]} <= known:
                 scene.allow(names[i], names[j], "allowed by the scene")
     defaults = zip(
         matrix.get("default_entry_names") or (),
@@ -94,7 +96,7 @@ def allow_pairs(scene: Any, matrix: Mapping[str, Any]) -> None:
         strict=False,
     )
     for name, allowed in defaults:
-        if allowed:
+        if allowed and name in known:
             for other in scene.bodies:
                 if other != name:
                     scene.allow(str(name), other, "allowed by the scene")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
@@ -11,8 +12,8 @@ import numpy.typing as npt
 from robomech_ros.collision.scene import PlanningScene, checked_clearance
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinematics.joint_values import as_finite_values
-from robomech_ros.trajectory import SampledPlan, discretise, sampled_through_points, verify
-from robomech_ros.trajectory.curves.motion_to_rest import MotionThrough
+from robomech_ros.trajectory import SampledPlan, Waypoints, discretise, sampled_through_points, verify
+from robomech_ros.trajectory.curves.motion_to_rest import MotionThrough, MotionToRest
 from robomech_ros.trajectory.curves.piecewise import joined
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.plans.point_to_point import (
@@ -49,6 +50,8 @@ def timed_path(
 
     The robot passes the waypoints on a smooth curve.  Where that would touch something, waypoints
     are added on the straight lines between them; if that does not help, the robot stops at each.
+    Where the path begins in contact, as a plan may that leaves it, the robot stops at the first
+    waypoint that is free, and what follows is proved.
 
     Parameters
     ----------
@@ -86,37 +89,64 @@ def timed_path(
         raise BadValueError("waypoints", points.shape, f"at least two, (m, {chain.n})")
     allowed = Limits.of(chain if limits is None else limits)
     scales = (velocity_scale, acceleration_scale, jerk_scale)
-    smooth = points
+
+    def smooth(places: Array) -> SampledPlan:
+        return sampled_through_points(
+            places,
+            limits=allowed,
+            profile=profile,
+            velocity_scale=velocity_scale,
+            acceleration_scale=acceleration_scale,
+            jerk_scale=jerk_scale,
+            period=period,
+            max_points=max_points,
+        )
+
+    left = int(np.argmax(scene.is_free(points, clearance=clearance)))
+    rest = _proved(scene, points[left:], smooth, clearance)
+    if rest is None:
+        tight = scaled_limits(allowed, profile_named(profile), *scales)
+        rest = _with_stops(points[left:], tight, profile, period, max_points)
+        if not scene.check_motion(rest.waypoints, clearance=clearance).certified:
+            raise NotFreeError("the samples of the path come nearer than the path; take more")
+    return _joined(smooth(points[: left + 1]), rest, allowed) if left else rest
+
+
+def _proved(
+    scene: PlanningScene, points: Array, smooth: Callable[[Array], SampledPlan], clearance: float
+) -> SampledPlan | None:
+    """Return a smooth motion along a path that is proved free; None if it must stop on its way."""
+    found = scene.check_motion(points, clearance=clearance)
+    if not found.certified:
+        names = " and ".join(f"'{name}'" for name in found.bodies)
+        what = "is not proved free of contact" if found.free else "is in contact"
+        raise NotFreeError(f"the path {what} at waypoint {found.parameter:.4g}: {names}")
+    places = points
     for _ in range(_ROUNDS if len(points) > 2 else 1):
         try:
-            plan = sampled_through_points(
-                smooth,
-                limits=allowed,
-                profile=profile,
-                velocity_scale=velocity_scale,
-                acceleration_scale=acceleration_scale,
-                jerk_scale=jerk_scale,
-                period=period,
-                max_points=max_points,
-            )
+            plan = smooth(places)
         except RobomechError:
             if len(points) == 2:
                 raise
             break
         if scene.check_motion(plan.waypoints, clearance=clearance).certified:
             return plan
-        smooth = _denser(smooth)
-    found = scene.check_motion(points, clearance=clearance)
-    if not found.certified:
-        names = " and ".join(f"'{name}'" for name in found.bodies)
-        what = "is not proved free of contact" if found.free else "is in contact"
-        raise NotFreeError(f"the path {what} at waypoint {found.parameter:.4g}: {names}")
-    method = profile_named(profile)
-    tight = scaled_limits(allowed, method, *scales)
-    plan = _with_stops(points, tight, profile, period, max_points)
-    if not scene.check_motion(plan.waypoints, clearance=clearance).certified:
-        raise NotFreeError("the samples of the path come nearer than the path itself; take more")
-    return plan
+        places = _denser(places)
+    return None
+
+
+def _joined(first: SampledPlan, second: SampledPlan, limits: Limits) -> SampledPlan:
+    """Put a motion behind another, at whose end the robot rests."""
+    one, other = first.waypoints, second.waypoints
+    rows = [
+        np.concatenate([getattr(one, name), getattr(other, name)[1:]])
+        for name in ("positions", "velocities", "accelerations")
+    ]
+    both = Waypoints(np.append(one.times, one.times[-1] + other.times[1:]), *rows)
+    pieces = joined([first.trajectory.pieces, second.trajectory.pieces])
+    verification = verify(both, limits, start=both.positions[0])
+    verification.require_ok()
+    return SampledPlan(MotionToRest(both.positions[-1], pieces), both, verification)
 
 
 def _denser(points: Array) -> Array:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeVar
 
 from robomech_ros import errors
+from robomech_ros.collision.libraries import MissingLibraryError
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.hands.conic_solver import ConicSolverUnavailableError
@@ -92,6 +93,7 @@ _CODES: dict[type[BaseException], Code] = {
     errors.DurationTooShortError: Code.LIMIT,
     TrajectoryRefusedError: Code.REJECTED,
     ConicSolverUnavailableError: Code.NOT_INSTALLED,
+    MissingLibraryError: Code.NOT_INSTALLED,
     RobomechError: Code.BAD_VALUE,
 }
 

@@ -130,11 +130,11 @@ class KinematicsNode(Node):
     async def _solve_ik(self, request: Any, response: Any) -> Any:
         way: Any = self._robot.linkage_to(request.tip_link)
         T = matrix_from_pose(request.target.pose, "target")
-        scene = await self._scene.of(way, request.ignore_collisions)
-        solve = self._robot.solver(way, request, scene)
         header, patience = request.target.header, self._table.settings.state_timeout
         frame = await self._frames.in_base(header.frame_id, patience, header.stamp)
         seed = self._joints.seed(way, request.seed)
+        scene = await self._scene.of(way, request.ignore_collisions)
+        solve = self._robot.solver(way, request, scene)
         start = perf_counter()
         result = solve(T if frame is None else frame @ T, seed=seed)
         seconds = perf_counter() - start

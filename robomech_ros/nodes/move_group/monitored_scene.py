@@ -44,11 +44,14 @@ class MonitoredScene:
         node.create_subscription(PlanningScene, topic, self._take, LATCHED, event_callbacks=silent)
 
     async def of(self, way: Any, ignored: bool) -> "PlanningScene | None":
-        """Return the scene of a chain; None where there is none, or it is not wanted."""
+        """Return the scene of a chain; None where there is none, or it is not wanted.
+
+        It is good until the next await; longer work takes a copy.
+        """
         if ignored or self._scenes is None or not isinstance(way, SerialChain):
             return None
         known = self._frames.monitor.known_positions(self._frames.model.joint_names)
-        return (await self._scenes.of(way, known)).copy()
+        return await self._scenes.of(way, known)
 
     def _take(self, message: Any) -> None:
         if message.is_diff:

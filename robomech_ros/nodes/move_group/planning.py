@@ -31,7 +31,7 @@ from robomech_ros.nodes.moveit.motion_request import (
 from robomech_ros.nodes.moveit.serving import RejectedError, refused_as
 from robomech_ros.nodes.moveit.whole_robot import WholeRobot
 from robomech_ros.robots import SerialChain
-from robomech_ros.trajectory import Waypoints, sampled_through_points
+from robomech_ros.trajectory import Waypoints
 from robomech_ros.typing import Array
 
 _CODES = {
@@ -161,43 +161,19 @@ def _planned(
     if found.status is not PlanStatus.SOLVED:
         raise RejectedError(_CODES[found.status], found.reason)
     try:
-        timed = _timed(question, scene, found.waypoints, settings)
+        timed = timed_path(
+            scene,
+            found.waypoints,
+            clearance=settings.clearance,
+            period=settings.sample_period,
+            max_points=settings.max_points,
+            velocity_scale=question.velocity_scale,
+            acceleration_scale=question.acceleration_scale,
+        ).waypoints
     except MissingLimitsError as error:
         raise NoLimitsForPlanError(error) from None
     message = _message(question, timed, settings)
     return message, time.monotonic() - begin, found.reason
-
-
-def _timed(
-    question: MotionRequest, scene: PlanningScene, path: Array, settings: MoveGroupSettings
-) -> Waypoints:
-    """Return the samples of a motion along a path (m, n) (rad or m), which is proved free.
-
-    Where a path begins in contact, only what follows after it is proved.
-    """
-    options: dict[str, Any] = {
-        "period": settings.sample_period,
-        "max_points": settings.max_points,
-        "velocity_scale": question.velocity_scale,
-        "acceleration_scale": question.acceleration_scale,
-    }
-    free = scene.is_free(path, clearance=settings.clearance)
-    left = int(np.argmax(free))
-    moves = timed_path(scene, path[left:], clearance=settings.clearance, **options).waypoints
-    if not left:
-        return moves
-    limits, profile = question.chain, "time_optimal"
-    leaves = sampled_through_points(path[: left + 1], limits=limits, profile=profile, **options)
-    return _joined(leaves.waypoints, moves)
-
-
-def _joined(first: Waypoints, second: Waypoints) -> Waypoints:
-    """Return two motions, of which the second starts where the first one ends at rest."""
-    rows = [
-        np.concatenate([getattr(first, name), getattr(second, name)[1:]])
-        for name in ("positions", "velocities", "accelerations")
-    ]
-    return Waypoints(np.append(first.times, first.times[-1] + second.times[1:]), *rows)
 
 
 def _at_limits(chain: SerialChain, q: Array, most: float) -> Array:

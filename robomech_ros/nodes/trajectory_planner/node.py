@@ -126,7 +126,7 @@ class TrajectoryPlannerNode(Node):
         plan = partial(self._motions.through, points, start, posture, options)
         scene = await self._scene.of(self._motions.way, request.ignore_collisions)
         if scene is not None:
-            plan = partial(plan_around, scene, plan, points, options)
+            plan = partial(plan_around, scene.copy(), plan, points, options)
         found = await self._planned(plan, beside=len(via) > 0 or scene is not None)
         self._plans.publish_waiting()
         response.turns = turns[-1].tolist()
@@ -147,7 +147,7 @@ class TrajectoryPlannerNode(Node):
         options = {**wanted.options, "sampling": sampling}
         scene = await self._scene.of(self._motions.way, request.ignore_collisions)
         if scene is not None:
-            options["bounds"] = ending_before_contact(scene, start, options["bounds"])
+            options["bounds"] = ending_before_contact(scene.copy(), start, options["bounds"])
         kept = 1.0 - settings.limit_margin
         plan = partial(self._motions.along, path, start, kept, options)
         found = await self._planned(plan, beside=True)

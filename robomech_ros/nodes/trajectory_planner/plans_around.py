@@ -51,7 +51,7 @@ def plan_around(
         advice = f"a motion with {what} is not led around obstacles"
         raise OutcomeError(Code.COLLISION, f"{text}; {advice}")
     # Loaded where there is a scene.
-    from robomech_ros.collision import PlanStatus, timed_path
+    from robomech_ros.collision import NotFreeError, PlanStatus, timed_path
 
     path = scene.plan(points[0], points[-1])
     if path.status is not PlanStatus.SOLVED:
@@ -59,7 +59,10 @@ def plan_around(
         raise OutcomeError(Code.NO_PATH if late else Code.COLLISION, path.reason)
     kept = {name: options[name] for name in _KEPT}
     period = options["wanted_period"] or options["usual_period"]
-    sampled = timed_path(scene, path.waypoints, scene.chain, period=period, **kept)
+    try:
+        sampled = timed_path(scene, path.waypoints, period=period, **kept)
+    except NotFreeError as error:
+        raise OutcomeError(Code.COLLISION, str(error)) from None
     return Planned(sampled, partial(tip_poses, scene.chain, sampled.waypoints.positions))
 
 
