@@ -13,10 +13,8 @@ if TYPE_CHECKING:
     from robomech_ros.collision.motion_proof import MotionCheck as MotionCheck
     from robomech_ros.collision.path_ends import stop_before_contact as stop_before_contact
     from robomech_ros.collision.planning import PathPlan as PathPlan, PlanStatus as PlanStatus
-    from robomech_ros.collision.scene import (
-        PlanningScene as PlanningScene,
-        SceneObject as SceneObject,
-    )
+    from robomech_ros.collision.scene import PlanningScene as PlanningScene
+    from robomech_ros.collision.scene_objects import SceneObject as SceneObject
     from robomech_ros.collision.shapes import (
         Box as Box,
         Capsule as Capsule,

@@ -11,7 +11,7 @@ from robomech_ros.typing import Array
 
 # A part is divided if that makes its hull smaller by this much of the whole volume.
 _WORTH = 0.005
-# Where parts are cut, along their three axes.
+# Parts are cut at these shares of their corners, along their three axes.
 _PLACES = (0.35, 0.5, 0.65)
 
 

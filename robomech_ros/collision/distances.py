@@ -18,8 +18,8 @@ from robomech_ros.typing import Array, IntArray
 
 _near_pairs = direct(near_pairs)
 _NO_PAIRS = np.empty((0, 5))
-# Where the search for the nearest points ends (m): its own 1e-6 would show between round bodies.
-# Below 1e-11 it fails at times, and so does that for depths below its 1e-6.
+# Tolerance of the search for the nearest points (m): the default of 1e-6 would show between round
+# bodies.  Below 1e-11 it fails at times, and so does that for depths below its 1e-6.
 _TOLERANCE = 1e-10
 
 
@@ -114,7 +114,7 @@ class Distances:
             pairs,
         )
         self.numbers: IntArray = pairs[:, :2].astype(np.int64)
-        # Where the pairs of each group begin.
+        # The first pair of each group.
         starts = np.flatnonzero(np.diff(pairs[:, 4], prepend=-1.0, append=-1.0))
         self.groups: list[int] = starts.tolist()
         self._functions: dict[int, Any] = {}

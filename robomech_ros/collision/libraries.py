@@ -6,8 +6,8 @@ from typing import Any
 
 from robomech_ros.errors import RobomechError
 
-# Of OMPL, those that plan from a start to goals without more than which motions are free.  PRM and
-# PRMstar wait for ever: their own thread asks Python whether time is up.
+# Planners of OMPL that need no more than which motions are free.  PRM and PRMstar wait for ever:
+# their own thread asks Python whether time is up.
 PLANNERS = (
     "RRTConnect",
     "RRT",

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from robomech_ros._kernels.collision.bounds import CONTACT, FREE, group_part, sweep
+from robomech_ros._kernels.collision.motions import CONTACT, FREE, group_part, sweep
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros.collision.distances import Distances
 from robomech_ros.errors import BadValueError
@@ -71,7 +71,7 @@ class MotionCheck(NamedTuple):
 
 
 class Obstruction(NamedTuple):
-    """Where a curve is in contact, or cannot be proved free: from 0 to 1, with the pair."""
+    """A place on a curve, from 0 to 1, where a pair is in contact or cannot be proved apart."""
 
     at: float
     pair: int
@@ -79,7 +79,7 @@ class Obstruction(NamedTuple):
 
 
 class _Middle(NamedTuple):
-    """What distances say in the middle of a part of a motion.
+    """Result of the distances in the middle of a part of a motion.
 
     A pair in contact, or -1; pairs that may be before or after the middle; how far these (or that)
     can move on half the part (m); and on what share of the half all are surely apart.

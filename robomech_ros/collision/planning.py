@@ -23,18 +23,18 @@ from robomech_ros.typing import Array
 
 # The longest step of a tree (rad and m together).
 _RANGE = 1.5
-# What positions may be beyond their limits by rounding (rad or m).
+# Tolerance of positions beyond their limits, for rounding (rad or m).
 _SLACK = 1e-6
 # How a contact at the start is left: step (rad or m), the most steps, random directions of each.
 _STEP, _STEPS, _DIRECTIONS = 0.02, 60, 24
-# Where a motion is looked at for contact before it is proved: first at its new end.
+# Shares of a motion at which contact is looked for before it is proved: first its new end.
 _LOOKS = (0.0, 0.5, 0.25)
 # The random numbers of OMPL are the process's.
 _lock = threading.Lock()
 
 
 class PlanStatus(Enum):
-    """What became of a plan."""
+    """The outcome of a plan."""
 
     SOLVED = "a path was found"
     START_IN_CONTACT = "the start is in contact, and no way out was found"

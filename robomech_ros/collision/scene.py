@@ -1,11 +1,11 @@
-"""What stands around a robot, and how near the robot comes to it and to itself."""
+"""A robot, the objects around it, and how near it comes to them and to itself."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -16,8 +16,16 @@ from robomech_ros.collision.distances import Clearance, Distances, PlacedBody
 from robomech_ros.collision.motion_proof import MotionCheck, check_motion
 from robomech_ros.collision.planning import PathPlan, PlanRequest, plan_path
 from robomech_ros.collision.robot_bodies import adjacent_links, link_shapes, place_links
-from robomech_ros.collision.shapes import LARGEST, Body, Mesh, Plane, Shape
-from robomech_ros.collision.sphere_cover import cover
+from robomech_ros.collision.scene_objects import (
+    MOST_SPHERES,
+    SceneObject,
+    Shapes,
+    around_object,
+    carried_by,
+    covered,
+    read_parts,
+)
+from robomech_ros.collision.shapes import Mesh
 from robomech_ros.errors import BadValueError, UnknownLinkError
 from robomech_ros.kinematics.joint_values import as_finite_values
 from robomech_ros.robots import load_robot, load_srdf
@@ -29,38 +37,12 @@ from robomech_ros.spatial import as_pose, inverse_pose
 from robomech_ros.spatial.arrays import finite_within, listed
 from robomech_ros.typing import Array, BoolArray
 
-# Spheres that cover a body of the robot: more are nearer to its shape, and take longer.
-_MOST_SPHERES, _FEWEST_SPHERES = 12, 3
+# The fewest spheres that cover a part of a link.
+_FEWEST_SPHERES = 3
 # Random postures at all of which a pair must touch to count as built that way.
 _POSTURES = 64
 LARGEST_PADDING = 1.0
-_NO_SPHERES, _POINT = np.empty((0, 8)), np.zeros(4)
-
-Shapes = Shape | Sequence[tuple[Shape, npt.ArrayLike]]
-
-
-@dataclass(frozen=True, eq=False)
-class SceneObject:
-    """An object of the world, or one that a link carries.
-
-    Attributes
-    ----------
-    name : str
-    parts : tuple of (Shape, Body, ndarray)
-        Shapes and their poses (4, 4) in the object (m).
-    pose : ndarray, shape (4, 4)
-        In the base, or in the link that carries it (m).
-    link : str
-        What carries it; empty for an object of the world.
-    touch_links : frozenset of str
-        Links that may touch it.
-    """
-
-    name: str
-    parts: tuple[tuple[Shape, Body, Array], ...]
-    pose: Array
-    link: str = ""
-    touch_links: frozenset[str] = frozenset()
+_NO_SPHERES = np.empty((0, 8))
 
 
 class PlanningScene:
@@ -113,8 +95,8 @@ class PlanningScene:
         self._links = []
         for link, shape, pose in shapes:
             bodies = shape.parts() if isinstance(shape, Mesh) else [shape.body()]
-            count = max(_MOST_SPHERES // len(bodies), _FEWEST_SPHERES)
-            self._links += [(link, body, pose, *_covered(body, count)) for body in bodies]
+            count = max(MOST_SPHERES // len(bodies), _FEWEST_SPHERES)
+            self._links += [(link, body, pose, *covered(body, count)) for body in bodies]
         self._allowed: dict[frozenset[str], str] = {}
         self._places = place_links(self.chain, self._others)
         self._ignore(_semantic(srdf, self.chain.description))
@@ -183,10 +165,8 @@ class PlanningScene:
         link = self._known(frame) if frame else ""
         if link and not self._places.links[link].frame:
             placed, link = self._places.links[link].pose @ placed, ""
-        added = SceneObject(name, _parts(shape), placed)
-        if link:
-            added = replace(added, link=_carrier(added, link))
-        self._change({**self._objects, name: added})
+        added = SceneObject(name, read_parts(shape), placed)
+        self._change({**self._objects, name: carried_by(link, added) if link else added})
 
     def move(self, name: str, pose: npt.ArrayLike) -> None:
         """Move an object to a pose (4, 4) in the base, or in the link that carries it (m)."""
@@ -223,13 +203,13 @@ class PlanningScene:
             without a pose, the object's pose is taken to be one in the link.
         """
         found = self._object(name)
-        link = _carrier(found, self._known(link))
+        carried = carried_by(self._known(link), found)
         links = listed("touch_links", touch_links, "names of links")
         touching = frozenset(map(self._known, links))
         placed = found.pose if pose is None else as_pose(pose)
         if pose is None and q is not None:
             placed = inverse_pose(self.link_pose(link, q)) @ found.pose
-        attached = replace(found, pose=placed, link=link, touch_links=touching)
+        attached = replace(carried, pose=placed, touch_links=touching)
         self._change({**self._objects, name: attached})
 
     def detach(self, name: str, *, q: npt.ArrayLike | None = None) -> None:
@@ -401,10 +381,12 @@ class PlanningScene:
                 if one.link:
                     place = links[one.link]
                     there = place.pose @ one.pose @ pose
-                    placed.append(PlacedBody(one.name, place.frame, there, body, *_covered(body)))
+                    placed.append(PlacedBody(one.name, place.frame, there, body, *covered(body)))
                 else:
                     there = one.pose @ pose
-                    world.append(PlacedBody(one.name, 0, there, body, _NO_SPHERES, _around(body)))
+                    world.append(
+                        PlacedBody(one.name, 0, there, body, _NO_SPHERES, around_object(body))
+                    )
 
         def checked(first: PlacedBody, second: PlacedBody) -> bool:
             return first.owner != second.owner and not self._reason(first.owner, second.owner)
@@ -490,39 +472,3 @@ def _semantic(given: Any, description: RobotDescription | None) -> SemanticDescr
     if description is None:
         raise BadValueError("srdf", given, "none for a chain without a description")
     return load_srdf(given, description)
-
-
-def _parts(shape: Shapes) -> tuple[tuple[Shape, Body, Array], ...]:
-    given: list[Any] = [(shape, np.eye(4))] if isinstance(shape, Shape) else list(shape)
-    parts = []
-    for pair in given:
-        one, pose = pair if isinstance(pair, Sequence) and len(pair) == 2 else (pair, None)
-        if not isinstance(one, Shape) or pose is None:
-            expected = "a Box, Sphere, Cylinder, Capsule, Cone, Plane or Mesh, or pairs with poses"
-            raise BadValueError("shape", one, expected)
-        parts.append((one, one.body(), as_pose(pose, what="pose of a shape")))
-    if not parts:
-        raise BadValueError("shape", shape, "at least one")
-    return tuple(parts)
-
-
-def _carrier(carried: SceneObject, link: str) -> str:
-    if any(isinstance(shape, Plane) for shape, _, _ in carried.parts):
-        raise BadValueError("object", carried.name, "one without planes, which have no end")
-    return link
-
-
-def _covered(body: Body, most: int = _MOST_SPHERES) -> tuple[Array, Array]:
-    spheres, around = cover(body.corners, body.radius, most)
-    if body.surface is not None:
-        # What is inside the hull may be outside of the surface.
-        spheres[:, 7] = -LARGEST
-    return spheres, around
-
-
-def _around(body: Body) -> Array:
-    """Return the sphere around an object: none is needed around a simple shape."""
-    if body.exact:
-        return _POINT
-    middle = 0.5 * (body.corners.min(axis=0) + body.corners.max(axis=0))
-    return np.append(middle, np.linalg.norm(body.corners - middle, axis=1).max())

@@ -12,7 +12,13 @@ import numpy.typing as npt
 from robomech_ros.collision.scene import PlanningScene, checked_clearance
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinematics.joint_values import as_finite_values
-from robomech_ros.trajectory import SampledPlan, Waypoints, discretise, sampled_through_points, verify
+from robomech_ros.trajectory import (
+    SampledPlan,
+    Waypoints,
+    discretise,
+    sampled_through_points,
+    verify,
+)
 from robomech_ros.trajectory.curves.motion_to_rest import MotionThrough, MotionToRest
 from robomech_ros.trajectory.curves.piecewise import joined
 from robomech_ros.trajectory.limits import JointLimits, Limits

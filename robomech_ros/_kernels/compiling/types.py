@@ -21,6 +21,6 @@ IOUT2 = types.Array(i8, 2, "C")
 F3 = types.UniTuple(f8, 3)
 F12 = types.UniTuple(f8, 12)
 
-# Where a count begins that is handed to another function: numba would compile that function once
+# The start of a count that is handed to another function: numba would compile that function once
 # more for the literal 0, and count it as a second one.
 ZERO = numpy.int64(0)

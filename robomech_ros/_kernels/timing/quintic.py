@@ -8,7 +8,7 @@ _EPSILON = 2.0**-52
 def upper_coefficients(h: Any, rise: Any, v0: Any, v1: Any, a0: Any, a1: Any) -> Any:
     """Return coefficients 3 to 5 of the quintic that rises in a time h between two states."""
     square, half = h * h, a0 / 2.0
-    # What the parabola through the first end leaves over at the second one, per power of h.
+    # Rests that the parabola through the first end leaves at the second one, per power of h.
     position = rise / (square * h) - (v0 / h + half) / h
     velocity = (v1 - v0 - a0 * h) / square
     acceleration = (a1 - a0) / h
