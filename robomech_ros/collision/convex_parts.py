@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, BoolArray
 
 # A part is divided if that makes its hull smaller by this much of the whole volume.
 _WORTH = 0.005
@@ -85,30 +85,42 @@ def _best_cut(part: _Part) -> list[_Part]:
 
 
 def _cut(triangles: Array, axis: Array, height: float) -> list[_Part]:
-    """Cut triangles at a plane.
-
-    What is left of a triangle stands as its edges, which are triangles without an area.
-    """
+    """Cut a mesh at a plane; both halves get a face there, the hull of where it is cut."""
     away = triangles @ axis - height
     crossing = (away > 0.0).any(axis=1) & (away < 0.0).any(axis=1)
     corners, heights = triangles[crossing], away[crossing]
     after, below = np.roll(corners, -1, axis=1), np.roll(heights, -1, axis=1)
-    share = np.divide(heights, heights - below, out=np.zeros_like(heights), where=heights != below)
-    # On an edge that does not cross the plane, the end that is nearer to it.
-    share = np.clip(share, 0.0, 1.0)
+    crossed = heights * below < 0.0
+    share = np.divide(heights, heights - below, out=np.zeros_like(heights), where=crossed)
     places = corners + share[:, :, None] * (after - corners)
-    crossed = (heights * below < 0.0) | (heights == 0.0)
-    first = places[np.arange(len(places)), np.argmax(crossed, axis=1)]
-    last = places[np.arange(len(places)), 2 - np.argmax(crossed[:, ::-1], axis=1)]
-    section = np.stack([first, last, last], axis=1)
+    # Each corner, and behind it the place at which the edge to the next one crosses the plane.
+    points = np.stack([corners, places], axis=2).reshape(-1, 6, 3)
+    face = _face(np.concatenate([places[crossed], triangles[away == 0.0]]), axis)
     halves = []
     for side in (1.0, -1.0):
-        kept = [triangles[~crossing & (side * away >= 0.0).all(axis=1)], section]
-        for k in range(3):
-            u, v = side * heights[:, k], side * below[:, k]
-            begin = np.where((u >= 0.0)[:, None], corners[:, k], places[:, k])
-            end = np.where((v >= 0.0)[:, None], after[:, k], places[:, k])
-            edge = (u > 0.0) | (v > 0.0)
-            kept.append(np.stack([begin, end, end], axis=1)[edge])
-        halves.append(_part(np.concatenate(kept)))
+        whole = triangles[~crossing & (side * away >= 0.0).all(axis=1)]
+        valid = np.stack([side * heights >= 0.0, crossed], axis=2).reshape(-1, 6)
+        halves.append(_part(np.concatenate([whole, _fans(points, valid), face])))
     return halves
+
+
+def _face(points: Array, axis: Array) -> Array:
+    """Return triangles that fill the hull of points of a plane."""
+    across = np.linalg.svd(axis[None])[2][1:]
+    hull = ConvexHull(points @ across.T)
+    corners = points[hull.vertices]
+    last = np.arange(2, len(corners))
+    return np.stack([corners[np.zeros_like(last)], corners[last - 1], corners[last]], axis=1)
+
+
+def _fans(points: Array, valid: BoolArray) -> Array:
+    """Divide polygons, of which some of six points (m, 6, 3) are corners, into triangles."""
+    numbers = np.where(valid, np.arange(6), -1)
+    # A point that is no corner stands for the corner before it, or for the first one.
+    numbers = np.maximum.accumulate(numbers, axis=1)
+    numbers = np.where(numbers < 0, np.argmax(valid, axis=1)[:, None], numbers)
+    fans = np.stack([numbers[:, [0] * 4], numbers[:, 1:5], numbers[:, 2:6]], axis=2)
+    rows = np.arange(len(points))[:, None, None]
+    triangles = points[rows, fans].reshape(-1, 3, 3)
+    distinct = (fans != np.roll(fans, 1, axis=2)).all(axis=2).ravel()
+    return triangles[distinct]

@@ -396,3 +396,21 @@ def test_a_robot_without_geometry_and_wrong_robots():
     for options in ({"padding": -1.0}, {"padding": math.nan}, {"padding": 2.0}, {"base": "base"}):
         with pytest.raises(RobomechError):
             PlanningScene(load_robot("puma560"), **options)
+
+
+def test_what_is_refused_changes_nothing():
+    scene = PlanningScene(six_joints())
+    scene.add("box", Box(0.1, 0.1, 0.1), at(0.5, 0.5, 0.5))
+    before = scene.bodies, scene.ignored
+    one = {"id": "ball", "primitives": [{"type": 2, "dimensions": [0.1]}]}
+    torn = {"id": "torn", "primitives": [{"type": 2, "dimensions": [-1.0]}]}
+    with pytest.raises(RobomechError, match="torn"):
+        scene.load({"world": {"collision_objects": [one, torn]}})
+    with pytest.raises(RobomechError, match="nobody"):
+        scene.allow("box", "nobody")
+    with pytest.raises(RobomechError, match="touch_links"):
+        scene.attach("box", scene.chain.tip, "hand")
+    with pytest.raises(RobomechError):
+        scene.set_other_joints({"nobody": math.nan})
+    assert (scene.bodies, scene.ignored) == before
+    scene.clearance(np.zeros(6))
