@@ -110,7 +110,8 @@ def _face(points: Array, axis: Array) -> Array:
     hull = ConvexHull(points @ across.T)
     corners = points[hull.vertices]
     last = np.arange(2, len(corners))
-    return np.stack([corners[np.zeros_like(last)], corners[last - 1], corners[last]], axis=1)
+    triangles: Array = np.stack([corners[0 * last], corners[last - 1], corners[last]], axis=1)
+    return triangles
 
 
 def _fans(points: Array, valid: BoolArray) -> Array:
@@ -121,6 +122,6 @@ def _fans(points: Array, valid: BoolArray) -> Array:
     numbers = np.where(numbers < 0, np.argmax(valid, axis=1)[:, None], numbers)
     fans = np.stack([numbers[:, [0] * 4], numbers[:, 1:5], numbers[:, 2:6]], axis=2)
     rows = np.arange(len(points))[:, None, None]
-    triangles = points[rows, fans].reshape(-1, 3, 3)
-    distinct = (fans != np.roll(fans, 1, axis=2)).all(axis=2).ravel()
-    return triangles[distinct]
+    distinct = (fans != np.roll(fans, 1, axis=2)).all(axis=2)
+    triangles: Array = points[rows, fans][distinct]
+    return triangles

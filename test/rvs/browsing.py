@@ -22,6 +22,9 @@ def browser(address, width=1280, height=760):
     tab = Tab(f"{address}{'&' if '?' in address else '?'}fixedDpr=1", width, height)
     try:
         yield tab
-        assert tab.errors == [], tab.errors
+        # Viser sends to one browser and to all by two queues: its reset of all may overtake the
+        # last value of a control, of which the page then says that the control is gone.
+        errors = [one for one in tab.errors if "Tried to update non-existent" not in one]
+        assert errors == [], errors
     finally:
         tab.close()
