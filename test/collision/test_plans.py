@@ -175,6 +175,13 @@ def test_a_start_in_contact_is_left_while_the_distance_grows():
     assert scene.check_motion(plan.waypoints[out:]).certified
     again = scene.plan(start, RIGHT, timeout=20.0)
     np.testing.assert_array_equal(plan.waypoints, again.waypoints)
+    timed = timed_path(scene, plan.waypoints, Limits(scene.chain.joint_names, **LIMITS))
+    assert timed.verification.ok
+    rows, speeds = timed.waypoints.positions, np.abs(timed.waypoints.velocities).max(axis=1)
+    stop = int(np.argmin(np.abs(rows - plan.waypoints[out]).max(axis=1)))
+    assert speeds[[0, stop, -1]].max() < 1e-9
+    np.testing.assert_allclose(rows[[0, stop, -1]], plan.waypoints[[0, out, -1]], atol=1e-9)
+    assert scene.check_motion(rows[stop:]).certified
 
 
 def test_a_start_that_cannot_be_left():

@@ -105,6 +105,26 @@ def test_what_stands_in_the_wall_is_refused(client):
     assert "the goal is in contact" in answer.error_msg and "deep" in answer.error_msg
 
 
+def test_a_plan_leads_out_of_a_contact(client, scene):
+    client.graph.start(TrajectoryPlannerNode, assume_limits=True, **ROBOT)
+    assert client.apply(WALL)
+    touching = HERE.copy()
+    touching[0] = next(a for a in np.arange(0.6, 0.0, -0.01) if not scene.is_free([a, *HERE[1:]]))
+    start, goal = (joint_state(UR5E.joint_names, q) for q in (touching, HERE))
+    request = PlanJoint.Request(start=start, goal=goal)
+
+    def judged(answer):
+        # Before the node has the scene it plans straight.
+        return len(answer.trajectory.points) > 0
+
+    answer = client.graph.call_until(PlanJoint, "trajectory_planner/plan_joint", request, judged)
+    assert answer.error_code == Code.NONE, answer.error_msg
+    q = rows(answer.trajectory)
+    np.testing.assert_allclose(q[[0, -1]], [touching, HERE], atol=1e-12)
+    free = int(np.argmax(scene.is_free(q)))
+    assert free > 0 and scene.check_motion(q[free:]).certified
+
+
 def test_a_path_of_the_tool_ends_before_the_wall(client, scene):
     client.graph.start(TrajectoryPlannerNode, assume_limits=True, **ROBOT)
     assert client.apply(WALL)
