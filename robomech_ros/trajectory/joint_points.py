@@ -56,8 +56,8 @@ def nearest_turns(points: ArrayLike, continuous: ArrayLike) -> tuple[Array, IntA
     ([3.283, 0.0], [1, 0])
     """
     places = joint_points(points)
-    given = listed("continuous", continuous, "True or False for each joint")
     if not isinstance(continuous, np.ndarray) or continuous.dtype != np.bool_:
+        given = listed("continuous", continuous, "True or False for each joint")
         continuous = [as_flag(f"continuous[{i}]", one) for i, one in enumerate(given)]
     free = np.asarray(continuous)
     of_shape("continuous", free, places[0].shape)
