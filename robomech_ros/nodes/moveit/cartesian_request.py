@@ -1,7 +1,6 @@
 """Requests of compute_cartesian_path, read and checked field by field."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -100,9 +99,6 @@ async def read_question(request: Any, robot: WholeRobot, settings: Any) -> Carte
         conditions = Conditions(request.path_constraints, robot, places, "path_constraints")
     own = frame == chain.tip and bool(chain.n)
     with refused_as(MoveItErrorCodes.START_STATE_INVALID):
-        given = robot.read(request.start_state, "start_state")
-        tolerance = settings.stopped_velocity_tolerance
-        check_rest(request.start_state.joint_state, tolerance, robot.model.units)
         joints = (
             *chain.joint_names,
             *limited.joint_names,
@@ -110,8 +106,7 @@ async def read_question(request: Any, robot: WholeRobot, settings: Any) -> Carte
             *places[frame].joint_names,
             *robot.joints_to_base_of(chain),
         )
-        needed = dict.fromkeys(joints)
-        positions = await robot.with_needed(given, needed, settings.state_timeout, tolerance)
+        positions = await robot.start(request.start_state, joints, settings)
     pose = places[frame].pose(positions)
     to_base = robot.in_base_of(chain, np.eye(4) if pose is None else pose, positions)
     return CartesianQuestion(
@@ -129,17 +124,6 @@ async def read_question(request: Any, robot: WholeRobot, settings: Any) -> Carte
 def _chained(pose: Array, steps: list[Array]) -> Array:
     """Return poses each of which is given in the frame of the one before."""
     return np.stack([pose := pose @ step for step in steps])
-
-
-def check_rest(joints: Any, tolerance: float, units: Mapping[str, str]) -> None:
-    """Refuse a start that moves: every plan starts at rest."""
-    for k, speed in enumerate(joints.velocity):
-        name = joints.name[k] if k < len(joints.name) else f"number {k}"
-        what = f"start_state: velocity of joint '{name}'"
-        if abs(finite_number(what, speed)) > tolerance:
-            unit = units.get(name, "rad")
-            expected = f"at most {tolerance:g} {unit}/s: every plan starts at rest"
-            raise BadValueError(what, speed, expected)
 
 
 def _numbers(request: Any) -> dict[str, float]:

@@ -15,7 +15,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.common.message_fields import finite_number, not_negative
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, point_vector
 from robomech_ros.nodes.frames.robot_frames import FrameAttachment
-from robomech_ros.nodes.moveit.cartesian_request import check_rest, read_scale
+from robomech_ros.nodes.moveit.cartesian_request import read_scale
 from robomech_ros.nodes.moveit.constraints import Conditions, frames_of
 from robomech_ros.nodes.moveit.serving import RejectedError, chain_of, refused_as
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
@@ -150,13 +150,13 @@ async def read_motion_request(request: Any, robot: WholeRobot, settings: Any) ->
             for i, goal in enumerate(request.goal_constraints)
         ]
     with refused_as(MoveItErrorCodes.START_STATE_INVALID):
-        given = robot.read(request.start_state, "start_state")
-        tolerance = settings.stopped_velocity_tolerance
-        check_rest(request.start_state.joint_state, tolerance, robot.model.units)
-        needed = dict.fromkeys((*chain.joint_names, *limited.joint_names))
-        needed |= dict.fromkeys(name for one in conditions for name in one.joints)
-        needed |= dict.fromkeys(robot.joints_to_base_of(chain))
-        positions = await robot.with_needed(given, needed, settings.state_timeout, tolerance)
+        joints = (
+            *chain.joint_names,
+            *limited.joint_names,
+            *(name for one in conditions for name in one.joints),
+            *robot.joints_to_base_of(chain),
+        )
+        positions = await robot.start(request.start_state, joints, settings)
     with refused_as(_INVALID):
         goals = [
             MotionGoal(

@@ -78,6 +78,34 @@ class WholeRobot:
             finite_number(f"{what} of joint '{name}'", value)
         return {name: value for name, value in values.items() if name in self._middle}
 
+    async def start(self, state: Any, needed: Iterable[str], settings: Any) -> dict[str, float]:
+        """Read the start_state of a request, which must be at rest, as every plan starts so.
+
+        Parameters
+        ----------
+        state : RobotState
+        needed : iterable of str
+            Joints that the plan cannot do without.
+        settings : MoveGroupSettings
+            How long to wait for the present state, and the speed up to which joints stand.
+
+        Raises
+        ------
+        RobomechError
+            See `read` and `with_needed`; BadValueError for a joint that moves.
+        """
+        given, tolerance = self.read(state, "start_state"), settings.stopped_velocity_tolerance
+        joints = state.joint_state
+        for k, speed in enumerate(joints.velocity):
+            name = joints.name[k] if k < len(joints.name) else f"number {k}"
+            what = f"start_state: velocity of joint '{name}'"
+            if abs(finite_number(what, speed)) > tolerance:
+                unit = self.model.units.get(name, "rad")
+                expected = f"at most {tolerance:g} {unit}/s: every plan starts at rest"
+                raise BadValueError(what, speed, expected)
+        needed = dict.fromkeys(needed)
+        return await self.with_needed(given, needed, settings.state_timeout, tolerance)
+
     async def with_needed(
         self, given: Positions, needed: Iterable[str], patience: float, tolerance: float = math.inf
     ) -> dict[str, float]:
