@@ -23,8 +23,10 @@ from robomech_ros.typing import Array
 
 # The longest step of a tree (rad and m together).
 _RANGE = 1.5
-# Tolerance of positions beyond their limits, for rounding (rad or m).
+# Tolerance of the least distance (m).
 _SLACK = 1e-6
+# How far outside its limits a joint may be given (rad or m): 3.14159 is 3e-6 less than half a turn.
+_ROUNDED = 1e-5
 # How a contact at the start is left: step (rad or m), the most steps, random directions of each.
 _STEP, _STEPS, _DIRECTIONS = 0.02, 60, 24
 # Shares of a motion at which contact is looked for before it is proved: first its new end.
@@ -90,8 +92,7 @@ def plan_path(
     finite_within("timeout", request.timeout, "above 0, at most 3600 s", 1e-3, 3600.0)
     whole_number("seed", request.seed, "a whole number, 0 to 2^31 - 2", 0, 2**31 - 2)
     as_choice("planner", request.planner, PLANNERS)
-    first = as_posture(chain, start, "start")
-    _check_limits(chain, first, "start")
+    first = _within_limits(chain, as_posture(chain, start, "start"), "start")
 
     def ended(
         status: PlanStatus, reason: str, waypoints: Any = (), goal: int = -1, proved: bool = False
@@ -245,11 +246,13 @@ def _bounds(chain: SerialChain, known: Array) -> Any:
     return bounds
 
 
-def _check_limits(chain: SerialChain, q: Array, what: str) -> None:
+def _within_limits(chain: SerialChain, q: Array, what: str) -> Array:
+    """Return a posture (n,) inside the limits, which may have been rounded to less than it has."""
     for i, name in enumerate(chain.joint_names):
-        if not chain.lower[i] - _SLACK <= q[i] <= chain.upper[i] + _SLACK:
+        if not chain.lower[i] - _ROUNDED <= q[i] <= chain.upper[i] + _ROUNDED:
             ends = float(chain.lower[i]), float(chain.upper[i])
             raise SeedOutsideLimitsError(name, float(q[i]), *ends, what, chain.units[i])
+    return np.clip(q, chain.lower, chain.upper)
 
 
 def _postures(scene: Any, goals: npt.ArrayLike, start: Array) -> tuple[Array, str]:
@@ -260,9 +263,8 @@ def _postures(scene: Any, goals: npt.ArrayLike, start: Array) -> tuple[Array, st
         found = inverse_kinematics(chain, as_pose(given), seed=start)
         return found.q, found.reason
     rows = as_finite_values(chain, given, "goals").reshape(-1, chain.n)
-    for row in rows:
-        _check_limits(chain, row, "goal")
-    return rows, "there is no goal"
+    inside = [_within_limits(chain, row, "goal") for row in rows]
+    return np.array(inside).reshape(-1, chain.n), "there is no goal"
 
 
 def _is_pose(given: Array) -> bool:

@@ -346,7 +346,8 @@ class PlanningScene:
         Parameters
         ----------
         start : array_like, shape (n,)
-            Joint values (rad or m).  A start in contact may be left while the distance grows.
+            Joint values (rad or m).  A start in contact may be left while the distance grows; a
+            joint outside its limits by at most 1e-5, as rounding makes it, is taken at the limit.
         goals : array_like, shape (n,), (k, n) or (4, 4)
             A posture, some of which one is enough, or a pose of the tip (m): of all its postures
             one is enough.

@@ -298,6 +298,18 @@ def test_joints_without_limits_turn_the_short_way():
     looked_at(scene, found)
 
 
+def test_limits_that_were_rounded():
+    scene = with_wall()
+    upper = scene.chain.upper
+    start = LEFT.copy()
+    start[5] = upper[5] + 3e-6
+    found = scene.plan(start, RIGHT)
+    assert found.certified
+    assert found.waypoints[0][5] == upper[5]
+    with pytest.raises(SeedOutsideLimitsError, match="start"):
+        scene.plan(start + [0, 0, 0, 0, 0, 2e-5], RIGHT)
+
+
 def test_wrong_requests():
     scene = with_wall()
     for start in (LEFT[:5], np.zeros((2, 6))):
