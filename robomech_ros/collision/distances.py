@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from robomech_ros._kernels.collision.bounds import near_pairs
+from robomech_ros._kernels.collision.bounds import frames_at, near_pairs
 from robomech_ros._kernels.collision.shapes import SPHERES
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros.collision.libraries import coal
@@ -16,7 +16,7 @@ from robomech_ros.collision.robot_bodies import as_row
 from robomech_ros.collision.shapes import Body
 from robomech_ros.typing import Array, IntArray
 
-_near_pairs = direct(near_pairs)
+_near_pairs, _frames_at = direct(near_pairs), direct(frames_at)
 _NO_PAIRS = np.empty((0, 5))
 # Tolerance of the search for the nearest points (m): the default of 1e-6 would show between round
 # bodies.  Below 1e-11 it fails at times, and so does that for depths below its 1e-6.
@@ -149,15 +149,24 @@ class Distances:
             pair, distance, turns, origins, row
         )
 
-    def touching(self, q: Array, pairs: set[int]) -> set[int]:
-        """Return those of some pairs that touch at drives q (n,)."""
-        count = self._near(q, True, 0.0)
-        near = {int(self._found[k]): 2 * k for k in range(count)} if count > 0 else {}
-        return {
-            pair
-            for pair in pairs
-            if pair in near and self.exact(pair, self._turns, self._origins, near[pair]) <= 0.0
-        }
+    def contacts(self, q: Array, pairs: Collection[int] | None = None) -> dict[int, float]:
+        """Return the pairs that touch at drives q (n,), of all or some, and their distances (m)."""
+        distances = {}
+        for k in range(self._near(q, True, 0.0)):
+            pair = int(self._found[k])
+            if pairs is None or pair in pairs:
+                distances[pair] = self.exact(pair, self._turns, self._origins, 2 * k)
+        return {pair: distance for pair, distance in distances.items() if distance <= 0.0}
+
+    def of_pair(self, pair: int, q: Array) -> float:
+        """Compute the distance of one pair (m) at drives q (n,)."""
+        frames = np.empty((len(self.tables[0]) + 1, 12))
+        _frames_at(self.tables[0], q, frames)
+        for k, number in enumerate(self.numbers[pair].tolist()):
+            frame, pose = frames[self.placed[number].frame], self.placed[number].pose
+            turn = frame[:9].reshape(3, 3)
+            self._turns[k], self._origins[k] = turn @ pose[:3, :3], turn @ pose[:3, 3] + frame[9:]
+        return self.exact(pair, self._turns, self._origins, 0)
 
     def nearest(self, q: Array) -> Clearance:
         """Find the least distance at drives q (n,)."""

@@ -424,7 +424,7 @@ class PlanningScene:
         for q in np.random.default_rng(0).uniform(lower, upper, (_POSTURES, chain.n)):
             if not always:
                 break
-            always = found.touching(q, always)
+            always &= found.contacts(q, always).keys()
         for number in always:
             why = f"in contact at all of {_POSTURES} random postures"
             self._allowed.setdefault(frozenset(found.names(number)), why)

@@ -1,5 +1,6 @@
 """Whether the cubics that join the knots of a stream are inside all limits."""
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -12,6 +13,12 @@ from robomech_ros.typing import Array
 
 _cubics_inside = direct(cubics_inside)
 
+# Where a curve of degree 5 is fitted to points, and what makes its coefficients of them.
+FITTED: Array = np.linspace(0.0, 1.0, 6)
+_FIT = np.linalg.inv(
+    [[math.comb(5, k) * t**k * (1.0 - t) ** (5 - k) for k in range(6)] for t in FITTED.tolist()]
+)
+
 # By so much a joint that stands at the end of its range may move in rounding (rad or m).
 _ROUNDING = 1e-12
 
@@ -21,6 +28,23 @@ def end_of_cubic(width: float, q: Array, v: Array) -> Array:
     middle = 3.0 * (q[1] - q[0]) / width - v[0] - v[1]
     start, end = 2.0 * (middle - v[0]) / width, 2.0 * (v[1] - middle) / width
     return np.array((end, (end - start) / width))
+
+
+def bernstein(times: Array, q: Array, v: Array) -> Array:
+    """Return the coefficients (k - 1, 4, n) of the cubics that join knots.
+
+    Positions and velocities (k, n) are in rad or m, and per s, the times (k,) in s.
+    """
+    third = np.diff(times)[:, None] / 3.0
+    return np.stack((q[:-1], q[:-1] + third * v[:-1], q[1:] - third * v[1:], q[1:]), axis=1)
+
+
+def fitted(q: Array) -> Array:
+    """Return the Bernstein coefficients (6, n) of the curve through points (6, n) at `FITTED`."""
+    coefficients: Array = _FIT @ q
+    # Exactly, not but for rounding.
+    coefficients[0] = q[0]
+    return coefficients
 
 
 class CubicResult(NamedTuple):

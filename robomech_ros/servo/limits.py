@@ -44,6 +44,11 @@ class ServoLimits(Limits):
         fastest = int(np.argmax(share))
         return min(1.0, 1.0 / max(float(share[fastest]), 1e-300)), fastest
 
+    def limited(self, rates: Array) -> tuple[float, float]:
+        """Return how much of rates is allowed, and how long stopping from that takes (s)."""
+        part = self.share_of(rates)[0]
+        return part, part * float(np.max(np.abs(rates) / self.acceleration))
+
     def smoothing(self, period: float) -> int:
         """Return over how many periods (s) positions are averaged so that jerks stay in limits.
 

@@ -9,6 +9,7 @@ with such a plan; where there is none, the motion goes on by the plan from befor
 
 import math
 from collections.abc import Sequence
+from copy import copy
 from typing import NamedTuple
 
 import numpy as np
@@ -105,6 +106,12 @@ class LineMotion:
             q, v = q + deviation.q[:1], v + deviation.v[:1]
         self._plan = _Plan(np.zeros(0), q, v)
         self._reached = np.zeros((2, q.shape[1])) if reached is None else reached
+
+    def copy(self) -> "LineMotion":
+        """Return a motion on the same path that goes on alone from here."""
+        other = copy(self)
+        other._deviation = copy(self._deviation)
+        return other
 
     @property
     def rate(self) -> float:

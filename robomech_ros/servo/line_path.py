@@ -45,6 +45,11 @@ class LinePath:
         return self._way.singular
 
     @property
+    def laid(self) -> float:
+        """The place up to which it is laid."""
+        return self._way.nodes[-1].place
+
+    @property
     def hopeless(self) -> bool:
         """Whether it leads nowhere at all."""
         return self._way.ended and len(self._way.nodes) == 1

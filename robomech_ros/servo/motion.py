@@ -11,6 +11,7 @@ accelerations and positions of a mean are inside the limits that its terms keep,
 acceleration changes at a limited rate.
 """
 
+from copy import copy
 from typing import NamedTuple
 
 import numpy as np
@@ -120,6 +121,13 @@ class Motion:
         lower, upper = limits.inside
         ways = np.vstack((positions, end))
         return motion if ((lower <= ways) & (ways <= upper)).all() else None
+
+    def copy(self) -> "Motion":
+        """Return a motion that goes on alone from here."""
+        other = copy(self)
+        other._positions, other._velocities = self._positions.copy(), self._velocities.copy()
+        other._plan = copy(self._plan)
+        return other
 
     @property
     def knot(self) -> tuple[Array, Array]:

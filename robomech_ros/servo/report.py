@@ -23,6 +23,8 @@ class ServoCondition(Enum):
     APPROACHING_SINGULARITY = "approaching a singularity"
     SINGULARITY = "singularity"
     LEAVING_SINGULARITY = "leaving a singularity"
+    APPROACHING_CONTACT = "approaching contact"
+    CONTACT = "contact"
     JOINT_BOUND = "joint bound"
     RATE_BOUND = "rate bound"
     IMPOSSIBLE = "impossible"

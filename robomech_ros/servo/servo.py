@@ -1,7 +1,7 @@
 """The servo itself: the last command, how old it is, and what becomes of it in the next period."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,6 +9,14 @@ from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_finite
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.servo.commands import Command, JointCommand, PoseCommand, TwistCommand
+from robomech_ros.servo.contact_slowing import (
+    LOOK_AHEAD,
+    Ahead,
+    ContactGuard,
+    contact_report,
+    slowed,
+)
+from robomech_ros.servo.cubics import bernstein
 from robomech_ros.servo.limits import ServoLimits
 from robomech_ros.servo.motion import Samples
 from robomech_ros.servo.pose_approach import PoseApproach
@@ -41,8 +49,9 @@ class Servo:
     """Turns commands into a stream of joint positions for a chain of joints with velocity limits.
 
     The last command is kept unless it was forgotten; while ``paused`` it brakes and holds, whatever
-    is commanded. Raises MissingLimitsError for a joint without a velocity limit, BadValueError for
-    a chain without joints.
+    is commanded. With a ``guard`` it slows down before contact, and every plan to stop is proved
+    free of it. Raises MissingLimitsError for a joint without a velocity limit, BadValueError for a
+    chain without joints.
     """
 
     def __init__(self, chain: SerialChain, settings: ServoSettings) -> None:
@@ -57,6 +66,7 @@ class Servo:
         self.command: Command | None = None
         self._twists = TwistFollowing(self._resolver, self.limits, self._period)
         self.paused = False
+        self.guard: ContactGuard | None = None
         self._mask: tuple[bool, ...] = (False,) * 6
 
     def hold(self, task_mask: Sequence[bool]) -> None:
@@ -69,7 +79,8 @@ class Servo:
         if tuple(task_mask) != self._mask:
             self._resolver.hold(task_mask)
             self._mask = tuple(task_mask)
-            self._twists.restart(None if self._stream is None else self._stream.line)
+            line = None if self._stream is None else self._stream.line
+            self._twists.restart(None if line is None else line.path)
 
     @property
     def active(self) -> bool:
@@ -135,6 +146,43 @@ class Servo:
             position, velocity = stream.position, stream.velocity
             stop = stream.samples().positions[-1]
             command = self._approach.twist(command, position, position + velocity, stop)
+        if self.guard is None:
+            return self._follow(stream, command)
+        return self._follow_guarded(self.guard, stream, command)
+
+    def _follow_guarded(
+        self, guard: ContactGuard, stream: Stream, command: TwistCommand | JointCommand
+    ) -> ServoReport:
+        """Go on by one period, not into contact; brake if that cannot be proved."""
+        part, found = slowed(guard, self._ahead(stream, command))
+        if found is not None and not part:
+            stream.brake()
+            number = self._resolver.condition_number(stream.position)
+            still = ServoReport(ServoCondition.NO_WARNING, 0.0, number)
+            return contact_report(found, still, part)
+        before = stream.copy()
+        report = self._follow(stream, _scaled(command, part))
+        self._twists.lay_ahead(stream)
+        reached = guard.obstruction(bernstein(*stream.newest()))
+        if reached is not None:
+            self._stream = before
+            before.brake()
+            found = found or reached
+        return report if found is None else contact_report(found, report, part)
+
+    def _ahead(self, stream: Stream, command: TwistCommand | JointCommand) -> Ahead | None:
+        """Find where a command leads; None if it moves nothing."""
+        if isinstance(command, TwistCommand):
+            return self._twists.ahead(stream, command)
+        if not command.rates.any():
+            return None
+        limited, stop = self.limits.limited(command.rates)
+        q = stream.position
+        end = q + LOOK_AHEAD * limited * command.rates
+        return Ahead(np.array((q, end)), LOOK_AHEAD, stop, limited)
+
+    def _follow(self, stream: Stream, command: TwistCommand | JointCommand) -> ServoReport:
+        """Go on by one period with a command."""
         if isinstance(command, TwistCommand):
             return self._twists.follow(stream, command)
         self._twists.end()
@@ -158,3 +206,10 @@ class Servo:
         age = now - self.command.until
         text = f"the last command is stale, for {max(age, 0.0):.3g} s"
         return ServoReport(ServoCondition.STALE_COMMAND, 0.0, number, (), text)
+
+
+def _scaled(command: TwistCommand | JointCommand, part: float) -> TwistCommand | JointCommand:
+    """Return a part of a command."""
+    if isinstance(command, TwistCommand):
+        return replace(command, twist=part * command.twist)
+    return replace(command, rates=part * command.rates)

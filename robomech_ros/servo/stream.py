@@ -2,6 +2,7 @@
 
 import math
 from collections import deque
+from copy import copy
 
 import numpy as np
 
@@ -41,6 +42,13 @@ class Stream:
         before = range(max(lead, 1), -1, -1)
         # The last knots, the latest last.
         self._knots = deque([(q - i * period * v, v) for i in before], maxlen=len(before))
+
+    def copy(self) -> "Stream":
+        """Return a stream that goes on alone from here."""
+        other = copy(self)
+        other._free, other._knots = self._free.copy(), self._knots.copy()
+        other.line = None if self.line is None else self.line.copy()
+        return other
 
     @property
     def position(self) -> Array:
@@ -159,11 +167,18 @@ class Stream:
 
     def samples(self) -> Samples:
         """Return the stream from the first knot shown on, at rest at the end."""
+        return self._from(self._lead)
+
+    def newest(self) -> Samples:
+        """Return the stream from the knot before the latest on: what the last period decided."""
+        return self._from(1)
+
+    def _from(self, lead: int) -> Samples:
         plan = (self._free if self.line is None else self.line).samples()
-        known = list(self._knots)[-1 - self._lead : -1]
+        known = list(self._knots)[-1 - lead : -1]
         times: Array = self._period * np.arange(float(len(known)))
         return Samples(
-            np.append(times, plan.times + self._lead * self._period),
+            np.append(times, plan.times + lead * self._period),
             np.vstack([*(q for q, _ in known), plan.positions]),
             np.vstack([*(v for _, v in known), plan.velocities]),
         )

@@ -5,11 +5,12 @@ import math
 import numpy as np
 
 from robomech_ros.servo.commands import TwistCommand
+from robomech_ros.servo.contact_slowing import LOOK_AHEAD, Ahead
+from robomech_ros.servo.cubics import FITTED, fitted
 from robomech_ros.servo.exit_search import SingularityExit
 from robomech_ros.servo.limits import ServoLimits
 from robomech_ros.servo.line_entry import LineEntry
 from robomech_ros.servo.line_laying import LineLaying
-from robomech_ros.servo.line_motion import LineMotion
 from robomech_ros.servo.line_path import LinePath
 from robomech_ros.servo.motion import Advance
 from robomech_ros.servo.report import ServoReport, motion_report
@@ -25,6 +26,8 @@ _PASSING = 0.2
 # How far ahead it is seen how fast rates grow (rad or m), and the part of the acceleration limits
 # that this may use up.
 _AHEAD, _OF_ACCELERATION = 1e-3, 0.4
+# The part of the look-ahead that must be laid, or the twist is followed in thought.
+_LAID = 0.2
 # A way so short (s^2, by acceleration limits) leads nowhere.
 _BEGINNING = 1e-6
 
@@ -37,7 +40,7 @@ class TwistFollowing:
         # The twist of the period before, in its axes.
         self._last: TwistCommand | None = None
         # A line laid before what is held of the pose changed; it is left.
-        self._outdated: LineMotion | None = None
+        self._outdated: LinePath | None = None
         self._joining = LineEntry()
         self._leaving = SingularityExit(resolver)
 
@@ -45,7 +48,7 @@ class TwistFollowing:
         """Follow no twist: the next one is another."""
         self._last = None
 
-    def restart(self, line: LineMotion | None) -> None:
+    def restart(self, line: LinePath | None) -> None:
         """Lay lines anew, and leave the present one."""
         self.end()
         self._outdated = line
@@ -65,7 +68,7 @@ class TwistFollowing:
         self._last = command
         found = self._resolver.resolve(position, twist, velocity)
         beyond = found.condition_number >= self._resolver.stop_at
-        outdated = stream.line is not None and stream.line is self._outdated
+        outdated = stream.line is not None and stream.line.path is self._outdated
         if stream.line is not None:
             stream.line.path.begin_period()
         elif stream.at_rest and twist.any() and (found.scale or beyond):
@@ -84,6 +87,39 @@ class TwistFollowing:
             advance = stream.advance(self._joining.slower * part * found.rates)
         share = self._limits.share_of(found.rates)
         return motion_report(self._limits, found, share, advance, stream.velocity)
+
+    def ahead(self, stream: Stream, command: TwistCommand) -> Ahead | None:
+        """Find where a twist leads, as far as its line is laid if it follows one; None at rest."""
+        q = stream.position
+        twist = _twist_of(command, q)
+        line = stream.line
+        if line is not None and line.path is not self._outdated:
+            rate = _ratio(line.path.twist(q), twist) * line.wanted
+            slope = line.path.slope(line.place)
+            limited, stop = self._limits.limited(rate * slope)
+            rate *= limited
+            seconds = min(LOOK_AHEAD, (line.path.laid - line.place) / max(rate, 1e-300))
+            if rate and seconds > _LAID * LOOK_AHEAD:
+                places = line.place + rate * seconds * FITTED
+                curve = fitted(line.path.at(places, np.zeros_like(places))[0])
+                return Ahead(curve, seconds, stop, limited)
+        if not twist.any():
+            return None
+        rates = self._resolver.heading(q, twist).rates
+        largest = float(np.abs(rates).max())
+        if not largest:
+            return None
+        limited, stop = self._limits.limited(rates)
+        later = q + _AHEAD / largest * rates
+        change = self._resolver.heading(later, _twist_of(command, later)).rates - rates
+        step = limited * LOOK_AHEAD * rates
+        bend = (limited * LOOK_AHEAD) ** 2 * largest / _AHEAD * change
+        return Ahead(np.array((q, q + 0.5 * step, q + step + 0.5 * bend)), LOOK_AHEAD, stop, limited)
+
+    def lay_ahead(self, stream: Stream) -> None:
+        """Lay the line as far as a motion is examined, if this period has time left for that."""
+        if (line := stream.line) is not None:
+            line.path.reach(line.place + LOOK_AHEAD * line.wanted)
 
     def _along_no_line(self, q: Array, twist: Array, found: Resolution) -> Resolution:
         """Return rates and scale of a twist that is followed along no line, from those found.
