@@ -114,7 +114,9 @@ class TwistFollowing:
         change = self._resolver.heading(later, _twist_of(command, later)).rates - rates
         step = limited * LOOK_AHEAD * rates
         bend = (limited * LOOK_AHEAD) ** 2 * largest / _AHEAD * change
-        return Ahead(np.array((q, q + 0.5 * step, q + step + 0.5 * bend)), LOOK_AHEAD, stop, limited)
+        return Ahead(
+            np.array((q, q + 0.5 * step, q + step + 0.5 * bend)), LOOK_AHEAD, stop, limited
+        )
 
     def lay_ahead(self, stream: Stream) -> None:
         """Lay the line as far as a motion is examined, if this period has time left for that."""

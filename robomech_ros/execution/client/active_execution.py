@@ -19,6 +19,7 @@ class ActiveExecution:
 
     It was sent at ``now`` (s) where the robot was at ``positions`` (n,), rad or m, and is executed
     at a pace above 0 up to 1. ``cancelled`` says why it was cancelled; it is empty if it was not.
+    It ends with the code ``ends_with`` then.
     """
 
     def __init__(
@@ -31,7 +32,7 @@ class ActiveExecution:
         now: float,
     ) -> None:
         self.delivery = delivery
-        self.cancelled = ""
+        self.cancelled, self.ends_with = "", Code.PREEMPTED
         self._gateway, self._settings = gateway, settings
         self._reached: tuple[str, float] | None = None
         delivery.depart(now)
@@ -53,9 +54,9 @@ class ActiveExecution:
             self._watch.begin_anew()
             self._gateway.send(self.delivery)
 
-    def cancel(self, text: str, now: float) -> MotionResult | None:
+    def cancel(self, text: str, now: float, code: Code = Code.PREEMPTED) -> MotionResult | None:
         """Stop on the path and give up, for a reason; None while the robot stops."""
-        self.cancelled = text
+        self.cancelled, self.ends_with = text, code
         if self.delivery.transport.answers and not self._pace.stops:
             self._gateway.cancel(self.delivery)
             return None
@@ -63,7 +64,7 @@ class ActiveExecution:
             self.set_pace(0.0, now)
         except TrajectoryRefusedError as error:
             late = f"{text}; {error}, and the controller may still execute it"
-            return MotionResult(Code.PREEMPTED, late)
+            return MotionResult(code, late)
         return None
 
     def clock_jumped(self, by: float, now: float) -> None:
@@ -85,10 +86,10 @@ class ActiveExecution:
             if self._set_pace_again(now):
                 return None
             self._gateway.cancel(self.delivery)
-        if code:
+        if code and (code != Code.PREEMPTED or self.ends_with == code):
             return MotionResult(code, text)
         if self.cancelled:
-            return MotionResult(Code.PREEMPTED, self.cancelled)
+            return MotionResult(self.ends_with, self.cancelled)
         if not self._pace.stops:
             self._reached = text, now
         return None
@@ -138,7 +139,7 @@ class ActiveExecution:
         if late > self._settings.arrival_timeout and off:
             return MotionResult(Code.GOAL_TOLERANCE, f"it did not stop as commanded: {off}")
         if late >= 0.0 and self.cancelled and stands:
-            return MotionResult(Code.PREEMPTED, self.cancelled)
+            return MotionResult(self.ends_with, self.cancelled)
         return None
 
     def _overdue(self) -> MotionResult | None:

@@ -35,7 +35,8 @@ class Dispatcher:
     ``on_end`` is called with every delivery that has ended, ``on_stall`` once with what is missing
     while deliveries wait for it. ``tally`` counts what has happened so far. ``speed`` is the part
     of the planned speed at which deliveries are executed, above 0 up to 1; while ``paused`` nothing
-    is sent and nothing moves.
+    is sent and nothing moves. ``obstruction`` says what a delivery would touch, "" for nothing: it
+    is asked before one is sent, and again and again on its way.
     """
 
     def __init__(
@@ -44,10 +45,11 @@ class Dispatcher:
         settings: DispatchSettings | None = None,
         on_end: Callable[[ExecutionRequest], None] = lambda delivery: None,
         on_stall: Callable[[str], None] = lambda missing: None,
+        obstruction: Callable[[ExecutionRequest], str] = lambda delivery: "",
     ) -> None:
         self._gateway = gateway
         self._settings = settings or DispatchSettings()
-        self._on_end = on_end
+        self._on_end, self._obstruction = on_end, obstruction
         self.queue = ExecutionQueue(gateway, self._settings, on_stall)
         self.tally = Tally()
         self.speed = 1.0
@@ -119,7 +121,7 @@ class Dispatcher:
     def step(self, now: float) -> None:
         """Look at the robot and do what is due."""
         self._now, active = now, self._active
-        verdict = None if active is None else active.look(now)
+        verdict = None if active is None else self._look(active, now)
         if active is not None and verdict is not None:
             self._end(active.delivery, verdict)
         self._send_waiting()
@@ -149,6 +151,14 @@ class Dispatcher:
             self._active.set_pace(0.0 if paused else speed, now)
         self.speed, self.paused = speed, paused
 
+    def _look(self, active: ActiveExecution, now: float) -> MotionResult | None:
+        """Look at what is under way, and stop it if something has come in its way."""
+        verdict = None
+        if not active.keeps_pace and (obstruction := self._obstruction(active.delivery)):
+            text = f"the robot has stopped on its path: {obstruction}"
+            verdict = active.cancel(text, now, Code.COLLISION)
+        return verdict or active.look(now)
+
     def _send_waiting(self) -> None:
         """Send the next one, and give up those that have waited too long."""
         while self._active is None and self.queue and not self.paused:
@@ -169,6 +179,9 @@ class Dispatcher:
         wrong = wrong or too_slow(delivery, self.speed, settings.max_duration)
         if wrong:
             self._end(delivery, MotionResult(Code.REJECTED, wrong))
+            return
+        if obstruction := self._obstruction(delivery):
+            self._end(delivery, MotionResult(Code.COLLISION, f"not sent: {obstruction}"))
             return
         self._active = ActiveExecution(
             delivery, self._gateway, settings, positions, self.speed, self._now

@@ -3,6 +3,7 @@
 import math
 import time
 from collections.abc import Awaitable, Callable
+from contextlib import suppress
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -11,15 +12,18 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_msgs.msg import String
 
+from robomech_ros.errors import RobomechError
+from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.nodes.common.cooperative_wait import pause
+from robomech_ros.nodes.common.execute_goals import AskedTolerances
+from robomech_ros.nodes.common.follow_goals import FollowGoals
+from robomech_ros.nodes.common.joint_messages import received_trajectory
 from robomech_ros.nodes.middleware.queue_depth import ask_action
 from robomech_ros.nodes.move_group.motion_watch import MotionWatch
 from robomech_ros.nodes.move_group.scenes import Scenes
 from robomech_ros.nodes.move_group.settings import MoveGroupSettings
 from robomech_ros.nodes.moveit.serving import RejectedError
 from robomech_ros.nodes.moveit.whole_robot import WholeRobot
-from robomech_ros.nodes.trajectory_publisher.follow_goals import FollowGoals
-from robomech_ros.nodes.trajectory_publisher.goals import AskedTolerances
 from robomech_ros.outcomes import Code
 
 _CONTROL_FAILED = MoveItErrorCodes.CONTROL_FAILED
@@ -83,8 +87,8 @@ class Execution:
             return MoveItErrorCodes.SUCCESS, "the trajectory is empty"
         self._check_start(trajectory)
         await self._while_there(self._client.server_is_ready)
-        watch = MotionWatch(self._robot, self._scenes, trajectory)
-        if reason := await watch.obstruction():
+        watch = self._watch(trajectory)
+        if reason := await self._obstruction(watch):
             raise RejectedError(_INVALIDATED, reason)
         stops, asked, obstruction = self._stops, False, ""
         handle = await self._awaited(
@@ -97,7 +101,7 @@ class Execution:
             nonlocal asked, obstruction
             if asked:
                 return
-            obstruction = await watch.obstruction()
+            obstruction = await self._obstruction(watch)
             if obstruction or cancelled() or self._stops != stops:
                 asked = True
                 handle.cancel_goal_async()
@@ -112,6 +116,22 @@ class Execution:
             by = "the client" if cancelled() else "trajectory_execution_event"
             text = f"stopped by {by}; the robot stands on its path"
         return _CODES.get(code, _CONTROL_FAILED), text
+
+    def _watch(self, trajectory: Any) -> MotionWatch | None:
+        """Return what looks for contacts on a trajectory; None if the controller will refuse it."""
+        names, model = list(trajectory.joint_names), self._robot.model
+        with suppress(RobomechError):
+            most = len(trajectory.points), math.inf
+            waypoints = read_waypoints(received_trajectory(trajectory), names, *most, to_rest=False)
+            return MotionWatch(model, self._robot.known, names, waypoints)
+        return None
+
+    async def _obstruction(self, watch: MotionWatch | None) -> str:
+        """Say what the rest of a motion would touch in a world that has changed; "" for nothing."""
+        if watch is None or not watch.is_due(self._scenes.world):
+            return ""
+        positions = self._robot.with_defaults(self._robot.known())
+        return watch.obstruction(await self._scenes.of(watch.chain, positions))
 
     async def _awaited(
         self, future: Future, look: Callable[[], Awaitable[None]] | None = None

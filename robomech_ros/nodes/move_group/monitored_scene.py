@@ -8,14 +8,17 @@ from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.cooperative_wait import Worker
-from robomech_ros.nodes.common.robot_description import LATCHED
-from robomech_ros.nodes.frames.robot_frames import RobotFrames
+from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.robots import SerialChain
 
 if TYPE_CHECKING:
     from robomech_ros.collision import PlanningScene
     from robomech_ros.nodes.move_group.scenes import Scenes
+
+# Other joints than those of a chain, such as fingers, are followed if they move by more (rad or m).
+_MOVED = 1e-3
 
 
 class MonitoredScene:
@@ -24,16 +27,34 @@ class MonitoredScene:
     Parameters
     ----------
     node : Node
-    frames : RobotFrames
-        Of the robot, with its present state.
+    model : RobotModel
+    monitor : JointStateMonitor
+        Knows the present state of the robot.
     worker : Worker
         Makes scenes, which takes a moment.
+    padding : float
+        Thickness that is added to every link (m).
+
+    Attributes
+    ----------
+    scenes : Scenes or None
+        What has come; None before the first message.
     """
 
-    def __init__(self, node: Node, frames: RobotFrames, worker: Worker) -> None:
-        self._frames, self._worker = frames, worker
+    def __init__(
+        self,
+        node: Node,
+        model: RobotModel,
+        monitor: JointStateMonitor,
+        worker: Worker,
+        padding: float = 0.0,
+    ) -> None:
+        self._model, self._monitor, self._worker = model, monitor, worker
+        self._padding = padding
         self._log = ThrottledLog(node.get_logger())
-        self._scenes: Scenes | None = None
+        self._waiting: Any = None
+        self._positions: dict[str, float] = {}
+        self.scenes: Scenes | None = None
         try:
             from moveit_msgs.msg import PlanningScene
         except ImportError:
@@ -48,28 +69,64 @@ class MonitoredScene:
 
         It is good until the next await; longer work takes a copy.
         """
-        if ignored or self._scenes is None or not isinstance(way, SerialChain):
+        if ignored or self.scenes is None or not isinstance(way, SerialChain):
             return None
-        known = self._frames.monitor.known_positions(self._frames.model.joint_names)
-        return await self._scenes.of(way, known)
+        return await self.scenes.of(way, self.known())
+
+    def current(self) -> "PlanningScene | None":
+        """Return the scene of the configured chain; None before the first message.
+
+        It is the same object as long as nothing changes. Joints beside the chain are where they
+        were when they last moved noticeably.
+        """
+        if self.scenes is None:
+            return None
+        known = self.known()
+        own = self._model.chain.joint_names
+        others = {name: value for name, value in known.items() if name not in own}
+        before = self._positions
+        if any(abs(before.get(name, np.inf) - value) > _MOVED for name, value in others.items()):
+            self._positions = others
+        return self.scenes.whole(self._positions)
+
+    def known(self) -> dict[str, float]:
+        """Return the present positions of the joints that are known (rad or m)."""
+        return self._monitor.known_positions(self._model.joint_names)
 
     def _take(self, message: Any) -> None:
         if message.is_diff:
             # It says where the robot is, which joint states do, too.
             return
+        if self.scenes is not None:
+            self._try_to_adopt(message)
+            return
+        making, self._waiting = self._waiting is not None, message
+        if not making:
+            self._worker.begin(self._made).add_done_callback(self._begin)
+
+    def _made(self) -> "Scenes":
+        from robomech_ros.nodes.move_group.scenes import Scenes
+
+        return Scenes(self._model, self._worker, self._padding)
+
+    def _begin(self, made: Any) -> None:
+        """Take the first scenes, which took a moment to make, and the latest message for them."""
+        message, self._waiting = self._waiting, None
+        if made.exception() is not None:
+            self._log.error(f"the planning scene is not followed: {made.exception()}")
+            return
+        self.scenes = made.result()
+        self._try_to_adopt(message)
+
+    def _try_to_adopt(self, message: Any) -> None:
         try:
             self._adopt(message)
         except RobomechError as error:
             self._log.error(f"the planning scene is not followed: {error}")
 
     def _adopt(self, message: Any) -> None:
-        from robomech_ros.nodes.move_group.scenes import Scenes
-
-        model = self._frames.model
-        if self._scenes is None:
-            self._scenes = Scenes(model, self._worker, 0.0)
-        scenes = self._scenes
-        known = self._frames.monitor.known_positions(model.joint_names)
+        assert self.scenes is not None
+        model, scenes, known = self._model, self.scenes, self.known()
         world = scenes.world.copy(empty=True)
         # Objects stand in the base, or in the link that carries them.
         places = {model.base_frame: np.eye(4)} | dict.fromkeys(model.description.links, np.eye(4))

@@ -1,89 +1,155 @@
-"""Checks of a motion while it is executed, since the world may change."""
+"""Checks of a motion before it is executed and on its way, since the world may change."""
 
+import math
 import time
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
+from robomech_ros.collision import PlanningScene
+from robomech_ros.collision.departures import check_departure
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.move_group.scenes import Scenes
-from robomech_ros.nodes.moveit.whole_robot import WholeRobot
+from robomech_ros.nodes.moveit.whole_robot import Positions
 from robomech_ros.robots import SerialChain
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.waypoints import Waypoints
 from robomech_ros.typing import Array
 
 # How often a changing world is looked at, s.
 _PERIOD = 0.1
-# A contact this near to where the robot is, in points of the trajectory, is one that it leaves.
-_HERE = 1.0
+# The robot is sought on its path every so often (s), and as far ahead as it can have come since the
+# last look if its time runs this much faster than the machine's, plus a while (s).
+_GRID, _FASTEST, _WHILE = 0.02, 4.0, 0.5
+_MOST_PLACES = 20_000
+# Postures among which the largest depth is sought.
+_DEPTHS = 100
 
 
 class MotionWatch:
-    """Looks for contacts on the rest of a motion.
+    """Looks for contacts on a motion, and later on what is left of it.
 
     Parameters
     ----------
-    robot : WholeRobot
-    scenes : Scenes
-    trajectory : JointTrajectory
-        One with joints that are not known, or with points of the wrong size, is not looked at: the
-        controller refuses it.
+    model : RobotModel
+    known : callable
+        Gives the present positions of the joints that are known (rad or m).
+    joint_names : sequence of str
+        The joints that move. A motion of joints that are not known is not looked at: the controller
+        refuses it.
+    waypoints : Waypoints
+        In the order of the names (rad or m).
+
+    Attributes
+    ----------
+    chain : SerialChain
+        The one of exactly these joints, or the configured one.
     """
 
-    def __init__(self, robot: WholeRobot, scenes: Scenes, trajectory: Any) -> None:
-        self._robot, self._scenes = robot, scenes
-        self._chain = _chain_of(robot.model, trajectory.joint_names)
-        self._known = robot.known()
-        self._rows = self._read(trajectory)
-        self._done, self._due = 0, 0.0
-        self._seen: Any = None
+    def __init__(
+        self,
+        model: RobotModel,
+        known: Callable[[], Positions],
+        joint_names: Sequence[str],
+        waypoints: Waypoints,
+    ) -> None:
+        self.chain = _chain_of(model, joint_names)
+        self._known = known
+        self._motion = _motion(self.chain, known(), list(joint_names), waypoints)
+        self._world: Any = None
+        self._due = 0.0
+        self._place, self._seen = 0, time.monotonic()
+        if self._motion is not None:
+            begin, end = float(self._motion.breaks[0]), float(self._motion.breaks[-1])
+            count = min(int((end - begin) / _GRID) + 2, _MOST_PLACES)
+            self._times: Array = np.linspace(begin, end, count)
+            self._postures: Array = self._motion.sample(self._times).position
 
-    async def obstruction(self) -> str:
-        """Say what the rest of the motion would touch; "" for nothing, or while nothing changes."""
-        world, now = self._scenes.world, time.monotonic()
-        if self._rows is None or world is self._seen or now < self._due:
+    def is_due(self, world: Any) -> bool:
+        """Whether the motion must be examined, since this world is another than the last one."""
+        if self._motion is None:
+            return False
+        self._follow()
+        now = time.monotonic()
+        if world is self._world or now < self._due:
+            return False
+        self._world, self._due = world, now + _PERIOD
+        return True
+
+    def obstruction(self, scene: PlanningScene) -> str:
+        """Say what the rest of the motion would touch in the chain's scene; "" for nothing."""
+        assert self._motion is not None
+        if self._place == len(self._times) - 1:
             return ""
-        self._seen, self._due = world, now + _PERIOD
-        scene = await self._scenes.of(self._chain, self._robot.with_defaults(self._known))
-        rest = self._rest()
-        found = scene.check_motion(rest)
-        if found.free or (found.parameter < _HERE and not scene.is_free(rest[0])):
+        rest = self._motion.after(float(self._times[self._place]))
+        found = check_departure(scene, rest)
+        if found.free:
             return ""
+        times = np.linspace(found.parameter, rest.breaks[-1], _DEPTHS)
+        distances = scene.clearance(rest.sample(times).position).distance
+        depth = max(-float(np.min(distances)), 0.0)
         first, second = found.bodies
-        return f"'{first}' and '{second}' would touch on the rest of the motion"
+        where = f"at {found.parameter:.4g} s of the motion, up to {depth:.3g} m deep"
+        return f"'{first}' and '{second}' would touch {where}"
 
-    def _read(self, trajectory: Any) -> Array | None:
-        """Return the joint values (m, n) of the chain along the trajectory (rad or m)."""
-        names = list(trajectory.joint_names)
-        points = [point.positions for point in trajectory.points]
-        missing = [
-            name
-            for name in self._chain.joint_names
-            if name not in names and name not in self._known
-        ]
-        if missing or not points or any(len(point) != len(names) for point in points):
+    def _follow(self) -> None:
+        """Find how far the robot has come."""
+        known, names, now = self._known(), self.chain.joint_names, time.monotonic()
+        if any(name not in known for name in names):
+            return
+        step = float(self._times[1] - self._times[0])
+        reach = int((_FASTEST * (now - self._seen) + _WHILE) / max(step, 1e-9)) + 1
+        ahead = self._postures[self._place : self._place + reach]
+        apart = ahead - np.array([known[name] for name in names])
+        turns = np.where(self.chain.continuous, np.round(apart / math.tau), 0.0)
+        self._place += int(np.argmin(np.abs(apart - math.tau * turns).max(axis=1)))
+        self._seen = now
+
+
+def _motion(
+    chain: SerialChain, known: Positions, names: list[str], waypoints: Waypoints
+) -> PiecewisePolynomial | None:
+    """Return the curve of a chain's joints; None if some of their positions are not known."""
+    missing = [name for name in chain.joint_names if name not in names]
+    if any(name not in known for name in missing):
+        return None
+    times, rows = waypoints.times, [waypoints.positions, waypoints.velocities]
+    rows.append(waypoints.accelerations)
+    if times[0] > 0.0:
+        # The motion begins where the robot is, at rest.
+        if any(name not in known for name in chain.joint_names):
             return None
-        table = np.array(points)
-        columns = [
-            table[:, names.index(name)] if name in names else np.full(len(table), self._known[name])
-            for name in self._chain.joint_names
+        here = np.array([[known[name] for name in names]])
+        first = here, np.zeros_like(here), np.zeros_like(here)
+        times = np.append(0.0, times)
+        rows = [
+            None if part is None else np.concatenate((one, part))
+            for one, part in zip(first, rows, strict=True)
         ]
-        rows = np.stack(columns, axis=-1)
-        return rows if np.isfinite(rows).all() else None
-
-    def _rest(self) -> Array:
-        """Return the points (m, n) from where the robot is."""
-        assert self._rows is not None
-        known, names = self._robot.known(), self._chain.joint_names
-        if all(name in known for name in names):
-            here = np.array([known[name] for name in names])
-            apart = np.abs(self._rows[self._done :] - here).max(axis=1)
-            self._done += int(np.argmin(apart))
-        return self._rows[self._done :]
+    if len(times) < 2:
+        return None
+    places, *rates = (
+        None if part is None else _columns(chain, part, names, known if k == 0 else {})
+        for k, part in enumerate(rows)
+    )
+    assert places is not None
+    return Waypoints(times, places, *rates).curve
 
 
-def _chain_of(model: RobotModel, joint_names: Any) -> SerialChain:
+def _columns(chain: SerialChain, rows: Array, names: list[str], still: Positions) -> Array:
+    """Return the columns (m, n) of a chain's joints; those that are not named stand still."""
+    # Without numbers for the others, there are none for these.
+    zeros = 0.0 * rows[:, 0]
+    columns = [
+        rows[:, names.index(name)] if name in names else zeros + still.get(name, 0.0)
+        for name in chain.joint_names
+    ]
+    return np.stack(columns, axis=-1)
+
+
+def _chain_of(model: RobotModel, joint_names: Sequence[str]) -> SerialChain:
     """Return the chain of exactly these joints; the configured one if there is none."""
     for group in model.groups:
         with suppress(RobomechError):

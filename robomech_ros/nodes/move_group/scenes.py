@@ -59,6 +59,10 @@ class Scenes:
             self._followers[chain.base, chain.tip] = follower
         return follower.at(self.world, positions)
 
+    def at_once(self, chain: SerialChain, positions: Positions) -> PlanningScene:
+        """Return the same without serving others while it is made."""
+        return self._follower_made(chain).at(self.world, positions)
+
     def whole(self, positions: Positions) -> PlanningScene:
         """Return the scene of the configured chain, as `of` does."""
         return self._configured().at(self.world, positions)
@@ -93,7 +97,9 @@ class Scenes:
         return f"collisions of some links were not checked: {faults}" if faults else ""
 
     def _configured(self) -> "_Follower":
-        chain = self._model.chain
+        return self._follower_made(self._model.chain)
+
+    def _follower_made(self, chain: SerialChain) -> "_Follower":
         follower = self._follower(chain)
         if follower is None:
             follower = self._followers[chain.base, chain.tip] = self._made(chain)

@@ -14,6 +14,7 @@ from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.servo.command_intake import CommandIntake
 from robomech_ros.nodes.servo.command_reader import CommandReader
+from robomech_ros.nodes.servo.scene_guard import SceneGuard
 from robomech_ros.nodes.servo.settings import ServoNodeSettings
 from robomech_ros.nodes.servo.status import REPEATED, StatusPublisher
 from robomech_ros.nodes.servo.stream import StreamPublisher
@@ -84,6 +85,7 @@ class Driver:
         self._joints = TrackingMonitor(
             model.chain, monitor, given.tracking_tolerance, given.tracking_delay
         )
+        self._scene = SceneGuard(node, model, monitor, settings)
         self._timer = node.create_timer(self.stream.period, self._tick, clock=clock.clock)
         self._timer.cancel()
         self._idle_timer = node.create_timer(REPEATED, self._publish_at_rest)
@@ -99,6 +101,10 @@ class Driver:
             self._timer.reset()
             self._after_hold_up(now, REPEATED + HELD_UP)
             self._tick()
+
+    def close(self) -> None:
+        """End the thread that makes scenes."""
+        self._scene.close()
 
     def pause(self, paused: bool) -> None:
         """Brake and hold whatever is commanded, or follow commands again."""
@@ -135,6 +141,7 @@ class Driver:
                 self._intake.attend(True)
             return
         self._servo.hold(self._settings().task_mask)
+        self._servo.guard = self._scene.current()
         self.stream.catch_up(now)
         report = self.stream.go_on(now)
         if report is None:

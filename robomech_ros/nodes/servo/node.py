@@ -39,7 +39,14 @@ class ServoNode(Node):
         check_settings(self._table.settings)
         self._motion_clock = MotionClock(self)
         self._monitor = JointStateMonitor(self)
+        self._driver: Driver | None = None
         when_robot_known(self, self._table.settings, self._serve)
+
+    def destroy_node(self) -> None:
+        """Destroy the node, and end its thread."""
+        if self._driver is not None:
+            self._driver.close()
+        super().destroy_node()
 
     def _serve(self, model: RobotModel) -> None:
         """Find the characteristic length, which takes some seconds, while others are served."""
@@ -64,19 +71,20 @@ class ServoNode(Node):
             # Other nodes that were brought up with this one can do without it.
             self.get_logger().error(f"this robot cannot be driven: {error}")
             return
-        self._driver = Driver(
+        self._driver = driver = Driver(
             self, model, servo, self._monitor, self._motion_clock, lambda: self._table.settings
         )
         serve(self, SetBool, "~/pause_servo", self._pause)
         self.get_logger().info(
             f"ready: {model.chain.name}, {model.chain.n} joints, "
-            f"{settings.publish_rate:g} Hz to '{self._driver.stream.topic}'"
+            f"{settings.publish_rate:g} Hz to '{driver.stream.topic}'"
         )
         # The search for the length has loaded more.
         release_clean_pages()
-        self._driver.wake()
+        driver.wake()
 
     def _pause(self, request: Any, response: Any) -> Any:
+        assert self._driver is not None
         self._driver.pause(bool(request.data))
         response.success = True
         response.message = "paused: brakes and holds" if request.data else "follows commands"

@@ -59,6 +59,24 @@ class ServoNodeSettings(FrameSettings):
     hard_stop_singularity_threshold: float = parameter(
         90.0, "Condition number at which motions into a singularity stop", (1.0, 1e5)
     )
+    check_collisions: bool = changeable(
+        True,
+        "With a planning scene on monitored_planning_scene, slow down before contact and stop; "
+        "false = ignore the scene",
+    )
+    self_collision_proximity_threshold: float = parameter(
+        0.01,
+        "Distance within which motion towards contact of two links is slowed down",
+        (0.0, 1.0, "m"),
+    )
+    scene_collision_proximity_threshold: float = parameter(
+        0.02,
+        "Distance within which motion towards contact with an object is slowed down",
+        (0.0, 1.0, "m"),
+    )
+    padding: float = parameter(
+        0.001, "Distance from objects at which motion towards them ends", (0.0, 1.0, "m")
+    )
     characteristic_length: float = parameter(
         0.0,
         "Length that divides linear motions in condition numbers; 0 = that of the robot, computed "

@@ -1,5 +1,7 @@
 """Lets a dispatcher check the robot periodically, by the clock of a node."""
 
+from collections.abc import Callable
+
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
@@ -25,6 +27,8 @@ class DispatchLoop:
         The way to the controller.
     settings : PublisherSettings
         How often it looks, and what the dispatcher needs.
+    obstruction : callable
+        Says what an execution request would touch; "" for nothing.
 
     Attributes
     ----------
@@ -33,12 +37,17 @@ class DispatchLoop:
     """
 
     def __init__(
-        self, node: Node, clock: MotionClock, link: ControllerClient, settings: PublisherSettings
+        self,
+        node: Node,
+        clock: MotionClock,
+        link: ControllerClient,
+        settings: PublisherSettings,
+        obstruction: Callable[[ExecutionRequest], str],
     ) -> None:
         self._node, self._log = node, ThrottledLog(node.get_logger())
         self.clock = clock
         given = dispatch_settings(settings)
-        self.dispatcher = Dispatcher(link, given, self._log_end, self._log_stall)
+        self.dispatcher = Dispatcher(link, given, self._log_end, self._log_stall, obstruction)
         self._timer = node.create_timer(1.0 / settings.watch_rate, self._look, clock=clock.clock)
         self._timer.cancel()
         # By the machine's time: the simulated one may never begin.

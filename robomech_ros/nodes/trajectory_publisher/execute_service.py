@@ -55,7 +55,7 @@ class ExecuteService:
     async def _execute(self, request: Any, response: Any) -> Any:
         if _asks_for_latest(request.trajectory) and not await self._plans.wait_for_plan():
             return answer(response, Code.PREEMPTED, f"not sent: {CANCELLED}")
-        execution = self._execution(request.trajectory)
+        execution = self._execution(request.trajectory, bool(request.ignore_collisions))
         before = execution.report is not None and execution is self._plans.latest
         ended: Future = Future()
         execution.listen(lambda report: ended.done() or ended.set_result(report))
@@ -64,13 +64,13 @@ class ExecuteService:
         done_before = before and not report.code
         return answer(response, report.code, _DONE_BEFORE if done_before else report.text)
 
-    def _execution(self, trajectory: JointTrajectory) -> ExecutionRequest:
+    def _execution(self, trajectory: JointTrajectory, ignoring: bool) -> ExecutionRequest:
         """Find the execution request that a request means: a new one, or the latest plan's.
 
         A client that gives the latest plan, which is executed anyway, means that one.
         """
         if not (_asks_for_latest(trajectory) or self._plans.executes(trajectory)):
-            execution = self._plans.asked = self._plans.reader.read(trajectory, self._transport)
+            execution = self._plans.asked = self._read(trajectory, ignoring)
             self._plans.loop.offer(execution)
             return execution
         latest = self._plans.latest
@@ -80,9 +80,13 @@ class ExecuteService:
         in_hand = latest is dispatcher.current or latest in dispatcher.queue
         if in_hand or self._stands_at_the_end_of(latest):
             return latest
-        self._plans.latest = self._plans.reader.read(latest.trajectory, self._transport)
+        self._plans.latest = self._read(latest.trajectory, ignoring)
         self._plans.loop.offer(self._plans.latest)
         return self._plans.latest
+
+    def _read(self, trajectory: JointTrajectory, ignoring: bool) -> ExecutionRequest:
+        reader, transport = self._plans.reader, self._transport
+        return reader.read(trajectory, transport, ignore_collisions=ignoring)
 
     def _stands_at_the_end_of(self, execution: ExecutionRequest) -> bool:
         """Whether it was executed, and the robot is still where it ended and not at its start."""

@@ -39,7 +39,9 @@ class ExecutionReader:
     max_duration: float
     robot_joints: tuple[str, ...] = ()
 
-    def read(self, message: JointTrajectory, transport: Transport) -> ExecutionRequest:
+    def read(
+        self, message: JointTrajectory, transport: Transport, *, ignore_collisions: bool = False
+    ) -> ExecutionRequest:
         """Check a received trajectory, and make an execution request of it.
 
         Raises
@@ -57,7 +59,7 @@ class ExecutionReader:
             received_trajectory(message), names, self.max_points, self.max_duration
         )
         delay = self.clock.until(message.header.stamp, self.clock.now())
-        return ExecutionRequest(message, names, waypoints, transport, delay)
+        return ExecutionRequest(message, names, waypoints, transport, delay, ignore_collisions)
 
 
 def message_from_execution(execution: ExecutionRequest, now: int) -> JointTrajectory:

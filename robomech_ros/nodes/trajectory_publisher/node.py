@@ -6,6 +6,7 @@ from typing import Any
 from rclpy.node import Node
 
 from robomech_ros.execution.client.execution_request import ExecutionRequest
+from robomech_ros.nodes.common.execute_goals import ExecuteGoals
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters
@@ -20,7 +21,6 @@ from robomech_ros.nodes.trajectory_publisher.controller_client import Controller
 from robomech_ros.nodes.trajectory_publisher.controller_refusals import ControllerRefusals
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.execute_service import ExecuteService
-from robomech_ros.nodes.trajectory_publisher.goals import ExecuteGoals
 from robomech_ros.nodes.trajectory_publisher.messages import ExecutionReader
 from robomech_ros.nodes.trajectory_publisher.program_runner import ProgramRunner
 from robomech_ros.nodes.trajectory_publisher.program_service import (
@@ -28,6 +28,7 @@ from robomech_ros.nodes.trajectory_publisher.program_service import (
     check_program_change,
 )
 from robomech_ros.nodes.trajectory_publisher.received_plans import ReceivedPlans
+from robomech_ros.nodes.trajectory_publisher.scene_check import SceneCheck
 from robomech_ros.nodes.trajectory_publisher.settings import (
     PublisherSettings,
     action_goals,
@@ -63,7 +64,8 @@ class TrajectoryPublisherNode(Node):
         self._link = ControllerClient(
             self, settings.controller, clock, action, refusals, life, monitor
         )
-        self._loop = DispatchLoop(self, clock, self._link, settings)
+        self._scene = SceneCheck(self, monitor, lambda: table.settings)
+        self._loop = DispatchLoop(self, clock, self._link, settings, self._scene.obstruction)
         self._reader = ExecutionReader(clock, *limits)
         self._plans = ReceivedPlans(self, table, self._reader, self._loop)
         ExecuteService(self, settings, self._plans, self._link)
@@ -86,6 +88,7 @@ class TrajectoryPublisherNode(Node):
         self._link.know_robot(model)
         self._reader.robot_joints = tuple(model.joint_names)
         self._programs.model = model
+        self._scene.know_robot(model)
 
     def _take_result(self, execution: ExecutionRequest, code: int, text: str) -> None:
         self._loop.conclude(execution, code, text)
@@ -122,6 +125,8 @@ class TrajectoryPublisherNode(Node):
         """Destroy the node and, what rclpy leaves out, its action client."""
         if hasattr(self, "_action"):
             self._action.destroy()
+        if hasattr(self, "_scene"):
+            self._scene.destroy()
         if hasattr(self, "_programs"):
             self._programs.destroy()
         super().destroy_node()

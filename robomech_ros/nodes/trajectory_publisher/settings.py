@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 
 from robomech_ros.execution.client.dispatch_settings import DispatchSettings
 from robomech_ros.execution.client.execution_request import Transport
+from robomech_ros.nodes.common.execute_goals import AskedTolerances, ExecuteGoals
 from robomech_ros.nodes.common.parameters import ParameterError, changeable, parameter
 from robomech_ros.nodes.common.robot_description import RobotSettings
 from robomech_ros.nodes.middleware.liveliness import SHORTEST_LEASE
-from robomech_ros.nodes.trajectory_publisher.goals import AskedTolerances, ExecuteGoals
 
 if TYPE_CHECKING:
-    from robomech_ros.nodes.trajectory_publisher.follow_goals import FollowGoals
+    from robomech_ros.nodes.common.follow_goals import FollowGoals
 
 
 @dataclass(frozen=True)
@@ -67,6 +67,11 @@ class PublisherSettings(RobotSettings):
         50,
         "Largest number of trajectories that wait for the current one",
         (1, 10_000, "trajectories"),
+    )
+    check_collisions: bool = changeable(
+        True,
+        "With a planning scene on monitored_planning_scene, refuse motions into contact, and stop "
+        "before contact if the scene changes on the way; needs robot_description",
     )
     start_tolerance: float = parameter(
         0.01,
@@ -144,7 +149,7 @@ def action_goals(transport: Transport) -> "ExecuteGoals | FollowGoals":
     if transport is not Transport.FOLLOW:
         return ExecuteGoals()
     try:
-        from robomech_ros.nodes.trajectory_publisher.follow_goals import FollowGoals
+        from robomech_ros.nodes.common.follow_goals import FollowGoals
     except ImportError as error:
         allowed = f"'topic' or 'action', since control_msgs cannot be used ({error})"
         raise ParameterError("transport", transport.value, allowed) from None

@@ -86,6 +86,20 @@ class PiecewisePolynomial:
         kept = np.ascontiguousarray(self.coefficients[:, first:last])
         return PiecewisePolynomial(self.breaks[first : last + 1], kept)
 
+    def after(self, t: float) -> PiecewisePolynomial:
+        """Return the rest of the curve from an instant (s) before its end."""
+        last = max(self.coefficients.shape[1] - 1, 0)
+        first = min(max(int(self.breaks.searchsorted(t, side="right")) - 1, 0), last)
+        elapsed = max(t - float(self.breaks[first]), 0.0)
+        coefficients, size = self.coefficients[:, first:].copy(), len(self.coefficients)
+        shift = [
+            [math.comb(k, i) * elapsed ** max(k - i, 0) for k in range(size)] for i in range(size)
+        ]
+        coefficients[:, 0] = np.array(shift) @ coefficients[:, 0]
+        breaks = self.breaks[first:].copy()
+        breaks[0] += elapsed
+        return PiecewisePolynomial(breaks, coefficients)
+
     def stretched(self, factor: float) -> PiecewisePolynomial:
         """Return the same curve over a time longer by a factor, from the same instant on."""
         powers = factor ** np.arange(len(self.coefficients))

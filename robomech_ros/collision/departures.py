@@ -1,0 +1,66 @@
+"""Motions that begin in contact, and leave it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from robomech_ros.collision.motion_proof import MotionCheck
+from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.typing import Array
+
+if TYPE_CHECKING:
+    from robomech_ros.collision.scene import PlanningScene
+
+# How far joints move between two distances on the way out of a contact (rad or m), and how much
+# less a distance may be than the one before (m), which is the accuracy of depths.
+_STEP, _SAME = 2e-3, 1e-6
+
+
+def check_departure(scene: PlanningScene, motion: PiecewisePolynomial) -> MotionCheck:
+    """Prove a motion free of contact, after it has left a contact in which it begins.
+
+    Until all bodies are apart, the least distance must not shrink, which is sampled.
+
+    Parameters
+    ----------
+    scene : PlanningScene
+    motion : PiecewisePolynomial
+        Of the joints of the scene's chain (rad or m).
+
+    Returns
+    -------
+    MotionCheck
+        As `PlanningScene.check_motion` has it. It is not certified if the motion begins in contact.
+    """
+    times = _instants(motion)
+    start = scene.clearance(motion.sample(times[0]).position)
+    if start.distance > 0.0:
+        return scene.check_motion(motion)
+    before = start.distance
+    for t in times[1:].tolist():
+        found = scene.clearance(motion.sample(t).position)
+        if found.distance < before - _SAME:
+            return MotionCheck(False, False, t, found.bodies, found.distance)
+        if found.distance > 0.0:
+            return scene.check_motion(motion.after(t))._replace(certified=False)
+        before = found.distance
+    # A motion that ends in contact has not left it.
+    at, deep = float(times[-1]), scene.clearance(motion.sample(times[-1]).position)
+    return MotionCheck(False, False, at, deep.bodies, deep.distance)
+
+
+def _instants(motion: PiecewisePolynomial) -> Array:
+    """Return instants (k,) between which no joint moves by more than a step."""
+    fine = [
+        np.linspace(begin, end, 10, endpoint=False)
+        for begin, end in zip(motion.breaks[:-1], motion.breaks[1:], strict=True)
+    ]
+    times = np.concatenate([*fine, motion.breaks[-1:]])
+    q = motion.sample(times).position
+    travel = np.append(0.0, np.cumsum(np.abs(np.diff(q, axis=0)).max(axis=1)))
+    count = int(travel[-1] / _STEP) + 2
+    instants: Array = np.interp(np.linspace(0.0, travel[-1], count), travel, times)
+    instants[0], instants[-1] = motion.breaks[0], motion.breaks[-1]
+    return instants

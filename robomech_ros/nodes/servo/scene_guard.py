@@ -1,0 +1,62 @@
+"""The planning scene, for a servo that stops before contact."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from rclpy.node import Node
+
+from robomech_ros.nodes.common.cooperative_wait import Worker
+from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.move_group.monitored_scene import MonitoredScene
+from robomech_ros.nodes.servo.settings import ServoNodeSettings
+
+if TYPE_CHECKING:
+    from robomech_ros.collision.servo_guard import ServoGuard
+
+
+class SceneGuard:
+    """Follows the planning scene, and gives what guards a servo in it.
+
+    Parameters
+    ----------
+    node : Node
+    model : RobotModel
+    monitor : JointStateMonitor
+        Knows where other joints are, such as those of fingers.
+    settings : callable
+        Gives the parameters as they are now.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        model: RobotModel,
+        monitor: JointStateMonitor,
+        settings: Callable[[], ServoNodeSettings],
+    ) -> None:
+        self._settings, self._worker = settings, Worker(node)
+        self._scene = MonitoredScene(node, model, monitor, self._worker, settings().padding)
+        self._guard: ServoGuard | None = None
+        self._distances: Any = None
+
+    def current(self) -> "ServoGuard | None":
+        """Return the guard of the present scene; None without a scene, or where it is ignored."""
+        settings = self._settings()
+        scene = self._scene.current() if settings.check_collisions else None
+        if scene is None:
+            return None
+        if self._guard is None or scene.distances is not self._distances:
+            from robomech_ros.collision.servo_guard import ServoGuard
+
+            self._distances = scene.distances
+            thresholds = (
+                settings.self_collision_proximity_threshold,
+                settings.scene_collision_proximity_threshold,
+            )
+            self._guard = ServoGuard(scene, *thresholds)
+        return self._guard
+
+    def close(self) -> None:
+        """End the thread that makes scenes."""
+        self._worker.close()
