@@ -150,7 +150,7 @@ class Distances:
         )
 
     def contacts(self, q: Array, pairs: Collection[int] | None = None) -> dict[int, float]:
-        """Return the pairs that touch at drives q (n,), of all or some, and their distances (m)."""
+        """Return the pairs in contact at drives q (n,), of all or some, and their distances (m)."""
         distances = {}
         for k in range(self._near(q, True, 0.0)):
             pair = int(self._found[k])
@@ -189,6 +189,17 @@ class Distances:
         """Name the two bodies of a pair."""
         a, b = self.numbers[pair].tolist()
         return self.placed[a].owner, self.placed[b].owner
+
+    def pairs_of(self, names: tuple[str, str]) -> Sequence[int]:
+        """Return the pairs of bodies of two links or objects, in the order of `names`."""
+        return self._pairs_of[names]
+
+    @cached_property
+    def _pairs_of(self) -> dict[tuple[str, str], list[int]]:
+        found: dict[tuple[str, str], list[int]] = {}
+        for pair in range(len(self.numbers)):
+            found.setdefault(self.names(pair), []).append(pair)
+        return found
 
     def exact(self, pair: int, turns: Array, origins: Array, row: int) -> float:
         """Compute the distance of a pair (m) whose poses are two rows of an array of poses.

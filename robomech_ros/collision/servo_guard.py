@@ -18,8 +18,11 @@ if TYPE_CHECKING:
 # A motion leads out of a contact, or along it, if after this travel (rad or m) of a joint it is not
 # deeper by more than this (m), which is the accuracy of depths.
 _STEP, _SAME = 1e-3, 1e-6
-# A contact before this part of a curve may be one that the curve leaves.
-_HERE = 0.05
+# While bodies touch, others that are as near as this (m) may touch, too, but less deep.
+_NEAR = 2e-3
+
+# Names of two bodies.
+_Pair = tuple[str, str]
 
 
 class ServoGuard:
@@ -41,10 +44,9 @@ class ServoGuard:
     ) -> None:
         self._scene, self._distances = scene, scene.distances
         self._proximities = self_proximity, scene_proximity
-        self._proof = MotionProof(self._distances, 0.0)
+        self._all = self._distances, MotionProof(self._distances, 0.0)
         # Pairs that touch, and what proves motions of all others.
-        self._touching: set[tuple[str, str]] = set()
-        self._others = self._distances, self._proof
+        self._without = frozenset[_Pair](), self._all
 
     def contact(self, curve: Array) -> ContactAhead | None:
         """Find the first contact on a curve; see `ContactGuard`."""
@@ -55,47 +57,63 @@ class ServoGuard:
         return self._first(curves, first=False)
 
     def _first(self, curves: Array, *, first: bool) -> ContactAhead | None:
-        distances, proof, touching = self._distances, self._proof, dict[int, float]()
-        for k, curve in enumerate(curves):
-            found = proof.obstruction(np.ascontiguousarray(curve), first=first)
-            if found is not None and not touching and (not first or found.at < _HERE):
-                touching = self._distances.contacts(curves[0, 0])
-                if touching:
-                    distances, proof = self._without(touching)
-                    found = proof.obstruction(np.ascontiguousarray(curve), first=first)
-            if found is not None:
-                return self._ahead(distances, curves[0, 0], found.pair, found.at + k)
-            if touching:
-                deeper = self._deeper(curve, touching, whole=not first)
-                if deeper >= 0:
-                    return self._ahead(self._distances, curves[0, 0], deeper, 0.0)
+        start, touching, k = curves[0, 0], frozenset[_Pair](), 0
+        while k < len(curves):
+            curve = np.ascontiguousarray(curves[k])
+            if touching and self._leads_deeper(curve, start, touching, whole=not first):
+                return self._ahead(start, self._deepest(start, touching), 0.0)
+            distances, proof = self._proof_without(touching)
+            found = proof.obstruction(curve, first=first)
+            if found is None:
+                k += 1
+                continue
+            names = distances.names(found.pair)
+            more = self._touching(start, touching, names)
+            if more == touching:
+                return self._ahead(start, names, found.at + k)
+            touching = more
         return None
 
-    def _deeper(self, curve: Array, touching: dict[int, float], *, whole: bool) -> int:
-        """Return a pair that a curve drives deeper into each other than it was; -1 for none."""
+    def _touching(self, q: Array, known: frozenset[_Pair], names: _Pair) -> frozenset[_Pair]:
+        """Return the pairs that touch at q (n,); of those that nearly do, the one in the way."""
+        if not known:
+            return frozenset(map(self._distances.names, self._distances.contacts(q)))
+        return known | {names} if self._distance(q, names) <= _NEAR else known
+
+    def _leads_deeper(
+        self, curve: Array, start: Array, touching: frozenset[_Pair], *, whole: bool
+    ) -> bool:
+        """Whether the least distance of pairs shrinks on a curve, at first or as a whole."""
         way = (curve[-1] if whole else curve[1]) - curve[0]
         moved = float(np.abs(way).max())
         if not moved:
-            return -1
-        q = curve[0] + (1.0 if whole else min(_STEP / moved, 1.0)) * way
-        later = self._distances.contacts(q, touching.keys())
-        return next((p for p, far in later.items() if far < touching[p] - _SAME), -1)
+            return False
+        later = curve[0] + (1.0 if whole else min(_STEP / moved, 1.0)) * way
+        least = (min(self._distance(q, names) for names in touching) for q in (later, start))
+        return next(least) < next(least) - _SAME
 
-    def _without(self, touching: dict[int, float]) -> tuple[Distances, MotionProof]:
+    def _deepest(self, q: Array, touching: frozenset[_Pair]) -> _Pair:
+        return min(touching, key=lambda names: self._distance(q, names))
+
+    def _distance(self, q: Array, names: _Pair) -> float:
+        """Compute the distance of two links or objects (m), as padded."""
+        return min(self._distances.of_pair(pair, q) for pair in self._distances.pairs_of(names))
+
+    def _proof_without(self, touching: frozenset[_Pair]) -> tuple[Distances, MotionProof]:
         """Return what proves motions of all pairs but those that touch."""
-        pairs = {self._distances.names(pair) for pair in touching}
-        if pairs != self._touching:
+        if not touching:
+            return self._all
+        if touching != self._without[0]:
             others = self._scene.copy()
-            for first, second in pairs:
+            for first, second in touching:
                 others.allow(first, second)
             proof = MotionProof(others.distances, 0.0)
-            self._touching, self._others = pairs, (others.distances, proof)
-        return self._others
+            self._without = touching, (others.distances, proof)
+        return self._without[1]
 
-    def _ahead(self, distances: Distances, q: Array, pair: int, at: float) -> ContactAhead:
-        names = distances.names(pair)
-        distance = distances.of_pair(pair, q)
-        objects = self._scene.objects
+    def _ahead(self, q: Array, names: _Pair, at: float) -> ContactAhead:
+        distance, objects = self._distance(q, names), self._scene.objects
         with_object = any(name in objects and not objects[name].link for name in names)
-        far = distance + distances.padding[pair]
-        return ContactAhead(at, distance, self._proximities[with_object], in_words(names, far))
+        padding = self._scene.padding if with_object else 0.0
+        words = in_words(names, distance + padding)
+        return ContactAhead(at, distance, self._proximities[with_object], words)

@@ -95,9 +95,9 @@ def test_what_is_executed_ends_before_a_wall_that_comes_into_the_way(world, robo
     assert "'wall'" in answer.error_msg and "m deep" in answer.error_msg
     assert not answer.duration.nanosec and np.array_equal(robot.position, here)
     # A contact may be left, and not deepened.
-    touching[0] = next(
-        a for a in np.arange(here[0], 0.0, -0.01) if not scene.is_free([a, *here[1:]])
-    )
+    turned = np.repeat(here[None], 100, axis=0)
+    turned[:, 0] -= np.linspace(0.0, 1.0, 100)
+    touching = turned[int(np.argmin(scene.is_free(turned)))]
     answer = execute(slowly(here, touching, 1.0), ignore_collisions=True)
     assert answer.error_code == Code.NONE, answer
     answer = execute(slowly(robot.position, THERE, 1.0))
