@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from robomech_ros.lazy_import import lazy_exports
 
 if TYPE_CHECKING:
+    from robomech_ros.collision.departures import check_departure as check_departure
     from robomech_ros.collision.distances import Clearance as Clearance
     from robomech_ros.collision.libraries import MissingLibraryError as MissingLibraryError
     from robomech_ros.collision.motion_proof import MotionCheck as MotionCheck
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from robomech_ros.collision.planning import PathPlan as PathPlan, PlanStatus as PlanStatus
     from robomech_ros.collision.scene import PlanningScene as PlanningScene
     from robomech_ros.collision.scene_objects import SceneObject as SceneObject
+    from robomech_ros.collision.servo_guard import ServoGuard as ServoGuard
     from robomech_ros.collision.shapes import (
         Box as Box,
         Capsule as Capsule,
