@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     from robomech_ros.collision.scene import PlanningScene
 
 # How far joints move between two distances on the way out of a contact (rad or m), and how much
-# less a distance may be than the one before (m), which is the accuracy of depths.
+# less a distance may be than at the start (m), which is the accuracy of depths.
 _STEP, _SAME = 2e-3, 1e-6
 
 
 def check_departure(scene: PlanningScene, motion: PiecewisePolynomial) -> MotionCheck:
     """Prove a motion free of contact, after it has left a contact in which it begins.
 
-    Until all bodies are apart, the least distance must not shrink, which is sampled.
+    Until all bodies are apart, none may be deeper in contact than at the start, which is sampled.
 
     Parameters
     ----------
@@ -38,17 +38,14 @@ def check_departure(scene: PlanningScene, motion: PiecewisePolynomial) -> Motion
     start = scene.clearance(motion.sample(times[0]).position)
     if start.distance > 0.0:
         return scene.check_motion(motion)
-    before = start.distance
     for t in times[1:].tolist():
         found = scene.clearance(motion.sample(t).position)
-        if found.distance < before - _SAME:
+        if found.distance < start.distance - _SAME:
             return MotionCheck(False, False, t, found.bodies, found.distance)
         if found.distance > 0.0:
             return scene.check_motion(motion.after(t))._replace(certified=False)
-        before = found.distance
     # A motion that ends in contact has not left it.
-    at, deep = float(times[-1]), scene.clearance(motion.sample(times[-1]).position)
-    return MotionCheck(False, False, at, deep.bodies, deep.distance)
+    return MotionCheck(False, False, float(times[-1]), found.bodies, found.distance)
 
 
 def _instants(motion: PiecewisePolynomial) -> Array:

@@ -72,10 +72,9 @@ class MotionWatch:
         if self._motion is None:
             return False
         self._follow()
-        now = time.monotonic()
-        if world is self._world or now < self._due:
+        if world is self._world or time.monotonic() < self._due:
             return False
-        self._world, self._due = world, now + _PERIOD
+        self._world = world
         return True
 
     def obstruction(self, scene: PlanningScene) -> str:
@@ -83,8 +82,11 @@ class MotionWatch:
         assert self._motion is not None
         if self._place == len(self._times) - 1:
             return ""
-        rest = self._motion.after(float(self._times[self._place]))
+        rest, begun = self._motion.after(float(self._times[self._place])), time.monotonic()
         found = check_departure(scene, rest)
+        now = time.monotonic()
+        # Others are served at least twice as long.
+        self._due = now + max(_PERIOD, 2.0 * (now - begun))
         if found.free:
             return ""
         times = np.linspace(found.parameter, rest.breaks[-1], _DEPTHS)

@@ -32,6 +32,7 @@ class ServoNode(Node):
     """Drives the robot by twists of the tip or joint velocities, within all limits."""
 
     SETTINGS = ServoNodeSettings
+    _driver: Driver | None = None
 
     def __init__(self, **options: Any) -> None:
         super().__init__("servo", **options)
@@ -39,7 +40,6 @@ class ServoNode(Node):
         check_settings(self._table.settings)
         self._motion_clock = MotionClock(self)
         self._monitor = JointStateMonitor(self)
-        self._driver: Driver | None = None
         when_robot_known(self, self._table.settings, self._serve)
 
     def destroy_node(self) -> None:
