@@ -115,6 +115,16 @@ class PlanningScene:
         return bool(self._links)
 
     @property
+    def unchecked_text(self) -> str:
+        """Say what of the robot is not checked; empty if all of it is."""
+        if not self.has_geometry:
+            description = self.chain.description
+            name = self.chain.name if description is None else description.name
+            return f"no collisions were checked: '{name}' has no collision geometry"
+        faults = "; ".join(f"link '{link}': {why}" for link, why in self.unchecked.items())
+        return f"collisions of some links were not checked: {faults}" if faults else ""
+
+    @property
     def bodies(self) -> tuple[str, ...]:
         """Links with shapes, then objects."""
         return (*dict.fromkeys(link for link, *_ in self._links), *self._objects)

@@ -1,6 +1,7 @@
 """The planning scene of move_group, as other nodes follow it."""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from rclpy.event_handler import SubscriptionEventCallbacks
@@ -8,8 +9,8 @@ from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.cooperative_wait import Worker
-from robomech_ros.nodes.common.robot_description import LATCHED
-from robomech_ros.nodes.frames.robot_frames import RobotFrames
+from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.robots import SerialChain
 
@@ -18,20 +19,40 @@ if TYPE_CHECKING:
     from robomech_ros.nodes.move_group.scenes import Scenes
 
 
+class RobotInState(Protocol):
+    """A robot and its present state."""
+
+    @property
+    def model(self) -> RobotModel:
+        """The robot."""
+
+    @property
+    def monitor(self) -> JointStateMonitor:
+        """Its present state."""
+
+
 class MonitoredScene:
     """Follows the topic ``monitored_planning_scene``, where its messages and coal are installed.
 
     Parameters
     ----------
     node : Node
-    frames : RobotFrames
-        Of the robot, with its present state.
+    frames : RobotFrames or RobotInState
+        The robot, with its present state.
     worker : Worker
         Makes scenes, which takes a moment.
+    changed : callable, optional
+        Called after each change.
     """
 
-    def __init__(self, node: Node, frames: RobotFrames, worker: Worker) -> None:
-        self._frames, self._worker = frames, worker
+    def __init__(
+        self,
+        node: Node,
+        frames: "RobotInState",
+        worker: Worker,
+        changed: Callable[[], None] = lambda: None,
+    ) -> None:
+        self._frames, self._worker, self._changed = frames, worker, changed
         self._log = ThrottledLog(node.get_logger())
         self._scenes: Scenes | None = None
         try:
@@ -82,3 +103,4 @@ class MonitoredScene:
                 raise RobomechError(f"{why}, expected '{model.base_frame}', the base")
             world.apply_object(one, places | {model.chain.base: np.eye(4)})
         scenes.adopt(world, known)
+        self._changed()
