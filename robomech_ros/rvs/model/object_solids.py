@@ -33,6 +33,12 @@ class ObjectPart(NamedTuple):
     pose: Array
     endless: bool
 
+    def corners(self, pose: Array | None = None) -> Array:
+        """Return its vertices (k, 3) in the object, or where the object has a pose (4, 4) (m)."""
+        T = self.pose if pose is None else pose @ self.pose
+        corners: Array = self.solid.vertices @ T[:3, :3].T + T[:3, 3]
+        return corners
+
     def is_same(self, other: ObjectPart) -> bool:
         """Whether another part looks the same."""
         pairs = (*zip(self.solid, other.solid, strict=True), (self.pose, other.pose))
@@ -49,9 +55,7 @@ def parts_of(one: SceneObject, side: float) -> tuple[ObjectPart, ...]:
 
 def middle_of(parts: Sequence[ObjectPart]) -> Array:
     """Return the middle of an object in its own frame, shape (3,) (m)."""
-    corners = np.vstack(
-        [one.solid.vertices @ one.pose[:3, :3].T + one.pose[:3, 3] for one in parts]
-    )
+    corners = np.vstack([one.corners() for one in parts])
     middle: Array = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
     return middle
 

@@ -182,12 +182,10 @@ def plan_around(
     timed = timed_path(scene, found.waypoints, profile=profile).waypoints
     rates = timed.velocities, timed.accelerations
     motion = Motion(scene.chain, timed.times, timed.positions, (), *rates)
-    corners = len(found.waypoints) - 2
-    what = (
-        f"{profile} around obstacles, by {corners} waypoints" if corners else f"{profile}, direct"
-    )
+    between = len(found.waypoints) - 2
+    way = f"around obstacles by {between} waypoints" if between else "straight to the goal"
     note = f"; {found.reason}" if found.reason else ""
-    return MadePlan(motion, f"{what}: {motion.duration:.2f} s{note}", True)
+    return MadePlan(motion, f"{profile} {way}: {motion.duration:.2f} s{note}", True)
 
 
 def scene_for(chain: SerialChain, scene: PlanningScene, objects: PlanningScene) -> PlanningScene:

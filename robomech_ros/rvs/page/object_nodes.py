@@ -82,9 +82,8 @@ class ObjectNodes:
         for drawn in self._drawn.values():
             for part in drawn.parts:
                 if not part.endless:
-                    T = drawn.one.pose @ part.pose
-                    points = part.solid.vertices @ T[:3, :3].T + T[:3, 3]
-                    found.setdefault(drawn.one.link, []).append(points)
+                    corners = part.corners(drawn.one.pose)
+                    found.setdefault(drawn.one.link, []).append(corners)
         return {link: np.vstack(points) for link, points in found.items()}
 
     def _updated(self, one: SceneObject, marked: bool) -> _DrawnObject:

@@ -133,7 +133,8 @@ def _row(
     shade = ";color:#868e96" if contact else ""
     return (
         f'<tr data-posture="{number}" title="take this posture" '
-        f'style="cursor:pointer;font-weight:{weight}{shade};border-top:1px solid rgba(128,128,128,0.25)">'
+        f'style="cursor:pointer;font-weight:{weight}{shade};'
+        f'border-top:1px solid rgba(128,128,128,0.25)">'
         f"{''.join(cells)}</tr>"
     )
 
