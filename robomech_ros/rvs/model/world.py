@@ -209,7 +209,7 @@ def scene_for(chain: SerialChain, scene: PlanningScene, objects: PlanningScene) 
             made.add(name, shapes, one.pose)
         elif one.link in links:
             made.add(name, shapes)
-            made.attach(name, one.link, one.touch_links & set(links), pose=one.pose)
+            made.attach(name, one.link, sorted(one.touch_links & set(links)), pose=one.pose)
     return made
 
 
