@@ -6,16 +6,7 @@ import numpy as np
 import pytest
 from shaped_arm import shaped_ur5e
 
-from robomech_ros.collision import (
-    Box,
-    Capsule,
-    Cone,
-    Cylinder,
-    Mesh,
-    Plane,
-    PlanningScene,
-    Sphere,
-)
+from robomech_ros.collision import Box, Capsule, Cone, Cylinder, Mesh, Plane, PlanningScene, Sphere
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import load_description, load_robot

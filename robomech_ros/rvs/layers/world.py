@@ -110,7 +110,8 @@ class WorldLayer(Layer):
                 self._held = True
             elif event.phase == "end":
                 self._held = False
-                self.ask("release", lambda: None)
+                # Leaves the notice of a refused drag, as a request would not.
+                self._place.run((self, "release"), self.show)
             elif self._held:
                 wxyz, position = np.roll(gizmo.wxyz, -1), gizmo.position.copy()
                 self.ask("drag", self._drag, position, wxyz)
