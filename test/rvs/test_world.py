@@ -47,6 +47,29 @@ def scene():
     return made
 
 
+def apart(link, other):
+    """Return the distance (m) of a link and the wall at the start, by Pinocchio's models."""
+    import coal
+    import pinocchio
+
+    model = pinocchio.buildModelFromXML(shaped_ur5e())
+    shapes = pinocchio.buildGeomFromUrdfString(
+        model, shaped_ur5e(), pinocchio.GeometryType.COLLISION
+    )
+    data, placed = model.createData(), shapes.createData()
+    pinocchio.updateGeometryPlacements(model, data, shapes, placed, HERE)
+    wall = coal.Box(0.4, 0.02, 0.6), coal.Transform3s(np.eye(3), np.array([0.65, 0.0, 0.3]))
+    found = []
+    for number, one in enumerate(shapes.geometryObjects):
+        if model.frames[one.parentFrame].name == link:
+            where = placed.oMg[number]
+            shape = one.geometry, coal.Transform3s(where.rotation, where.translation)
+            request = coal.DistanceRequest()
+            request.gjk_tolerance = 1e-10
+            found.append(coal.distance(*shape, *wall, request, coal.DistanceResult()))
+    return min(found)
+
+
 def volume(solid):
     """Return the volume (m^3) inside triangles; negative if they are seen from inside."""
     a, b, c = (solid.vertices[solid.faces[:, k]] for k in range(3))
@@ -100,8 +123,11 @@ def test_a_plane_ends_just_below_itself(scene):
 
 def test_what_is_said_is_the_clearance_of_the_scene_as_objects_move(scene):
     world = WorldView(scene)
-    found = scene.clearance(HERE)
-    assert world.nearest(HERE).distance == found.distance > 0.0
+    # Links that are always near each other do not hide the wall.
+    found, own = world.nearest(HERE), scene.clearance(HERE)
+    assert "wall" in found.bodies and "wall" not in own.bodies and found.distance > own.distance
+    pairs = [(name, "wall") for name in scene.bodies if name != "wall"]
+    assert found.distance == pytest.approx(min(apart(*pair) for pair in pairs), abs=1e-9)
     assert world.touching(HERE) == () and world.contact(HERE) == ""
     assert f"{found.distance:.3g} m apart" in world.nearest_text(HERE)
     tip, version = forward_kinematics(CHAIN, HERE)[:3, 3], world.version

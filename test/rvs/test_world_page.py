@@ -71,7 +71,8 @@ def test_objects_are_drawn_in_the_base_and_in_the_link_that_carries_them(page, l
 
 def test_a_dragged_object_moves_the_line_the_label_and_the_struck_out_rows(page, layer, commander):
     arm, scene = page._arm, page._arm.world.scene
-    assert float(label(layer).split()[0]) == pytest.approx(scene.clearance(HERE).distance, abs=1e-3)
+    distance = page._arm.world.nearest(HERE).distance
+    assert label(layer) == f"{distance:.3f} m"
     assert tuple(layer._nodes[1]._line.colors[0, 0]) == APART
     chosen(commander, layer, "wall")
     np.testing.assert_allclose(layer._gizmo.position, WALL, atol=1e-9)

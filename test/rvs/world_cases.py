@@ -13,12 +13,14 @@ def _object(name, position, **shapes):
     return {"id": name, "pose": {"position": dict(zip("xyz", position, strict=True))}, **shapes}
 
 
-WALL = (0.65, 0.0, 0.3)
+WALL, BALL = (0.65, 0.0, 0.3), (0.0, -0.6, 0.3)
 SCENE = {
     "world": {
         "collision_objects": [
             _object("wall", WALL, primitives=[{"type": "box", "dimensions": [0.4, 0.02, 0.6]}]),
-            _object("ball", (0.0, 0.9, 0.2), primitives=[{"type": "sphere", "dimensions": [0.05]}]),
+            _object(
+                "ball", (0.0, -0.6, 0.3), primitives=[{"type": "sphere", "dimensions": [0.05]}]
+            ),
             _object("floor", (0.0, 0.0, -0.2), planes=[{"coef": [0.0, 0.0, 1.0, 0.0]}]),
         ]
     },

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -51,6 +52,7 @@ class WorldView:
         self.scene, self.version = scene, 0
         self._others: dict[str, float] = {}
         self._known: dict[bytes, Clearance] = {}
+        self._around: PlanningScene | None = None
 
     @property
     def objects(self) -> Mapping[str, SceneObject]:
@@ -93,12 +95,21 @@ class WorldView:
             self._change()
 
     def nearest(self, q: Array) -> Clearance | None:
-        """Return the nearest pair at a posture (n,) (rad or m); None if nothing can touch."""
+        """Return the pair of bodies that a person looks for; None if nothing can touch.
+
+        It is the nearest pair with an object that stands, since some links of an arm are always
+        near each other.  If anything touches, it is the deepest pair of all.
+
+        Parameters
+        ----------
+        q : ndarray, shape (n,)
+            rad or m.
+        """
         key = q.tobytes()
         if key not in self._known:
             if len(self._known) >= MOST_KNOWN:
                 self._known.clear()
-            self._known[key] = self.scene.clearance(q)
+            self._known[key] = self._found(q)
         found = self._known[key]
         return found if np.isfinite(found.distance) else None
 
@@ -124,9 +135,28 @@ class WorldView:
         """Return `plan_around` in the present world, for one other thread."""
         return partial(plan_around, self.scene.copy())
 
+    def _found(self, q: Array) -> Clearance:
+        of_all = self.scene.clearance(q)
+        if of_all.distance <= 0.0 or not self.movable:
+            return of_all
+        if self._around is None:
+            self._around = _without_own_pairs(self.scene)
+        around = self._around.clearance(q)
+        return around if np.isfinite(around.distance) else of_all
+
     def _change(self) -> None:
         self.version += 1
         self._known.clear()
+        self._around = None
+
+
+def _without_own_pairs(scene: PlanningScene) -> PlanningScene:
+    """Return a scene in which links, and what they carry, are not compared with each other."""
+    bare = scene.copy()
+    own = [name for name in bare.bodies if name not in bare.objects or bare.objects[name].link]
+    for first, second in combinations(own, 2):
+        bare.allow(first, second)
+    return bare
 
 
 class MotionVerdict(NamedTuple):
