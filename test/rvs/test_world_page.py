@@ -8,8 +8,8 @@ import pytest
 
 pytest.importorskip("viser")
 
-from raw_client import gizmo, grip, inside_limits, send_value, wait_until
-from world_cases import HERE, ROBOT, SCENE, THERE, WALL, world_layer
+from raw_client import inside_limits, send_value, wait_until
+from world_cases import HERE, ROBOT, SCENE, THERE, WALL, drag_messages, world_layer
 
 from robomech_ros.collision import MissingLibraryError, PlanningScene, libraries
 from robomech_ros.errors import BadValueError
@@ -19,7 +19,6 @@ from robomech_ros.rvs.page.object_nodes import APART
 from robomech_ros.rvs.page.robot_nodes import MARKED
 
 PACK = msgspec.msgpack.encode
-GIZMO = "/base/object"
 
 
 @pytest.fixture
@@ -39,11 +38,8 @@ def layer(page, commander):
 
 def drag(page, commander, position):
     """Drag the chosen object to a position, and let it go."""
-    owner = str(page._audience.commander)
-    commander.send(PACK(grip(owner, GIZMO)))
-    commander.send(PACK(gizmo(np.asarray(position, float).tolist(), owner=owner, name=GIZMO)))
-    end = grip(owner, GIZMO) | {"type": "TransformControlsDragEndMessage"}
-    commander.send(PACK(end))
+    for message in drag_messages(page, position):
+        commander.send(PACK(message))
 
 
 def chosen(commander, layer, name):

@@ -1,6 +1,7 @@
 """A scene around a UR5e with shapes."""
 
 import numpy as np
+from raw_client import gizmo, grip
 from shaped_arm import shaped_ur5e
 
 ROBOT = shaped_ur5e(acceleration=8.0)
@@ -37,6 +38,13 @@ SCENE = {
         ]
     },
 }
+
+
+def drag_messages(page, position):
+    """Return the messages by which a page drags the chosen object to a position, and lets go."""
+    held = {"owner": str(page._audience.commander), "name": "/base/object"}
+    ended = {"type": "TransformControlsDragEndMessage"}
+    return grip(**held), gizmo(np.asarray(position, float).tolist(), **held), grip(**held) | ended
 
 
 def world_layer(page):
