@@ -174,7 +174,8 @@ class WorldLayer(Layer):
             arm.world = WorldView(scene)
         else:
             held = self._dragged
-            if self._held and held in scene.objects and held in arm.world.movable:
+            mine = self.is_open and self._held and held in arm.world.movable
+            if mine and held in scene.objects:
                 # What comes now was sent before the object was here.
                 scene.move(held, arm.world.objects[held].pose)
             arm.world.replace(scene)

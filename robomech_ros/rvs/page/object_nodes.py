@@ -115,7 +115,8 @@ class ObjectNodes:
             alpha = PLANE_ALPHA if part.endless else 1.0
             colour, name = _colour(one, marked), f"{path}/part_{number}"
             bodies.append(add_mesh(self._scene, name, part.solid, colour, alpha, **look))
-            if not one.link:
+            # A plane is under the mouse nearly everywhere.
+            if not one.link and not part.endless:
                 self._listen(bodies[-1], one.name)
         return _DrawnObject(one, parts, frame, bodies, marked)
 

@@ -45,6 +45,7 @@ def test_an_object_is_chosen_by_a_click_and_dragged_into_postures(shown):
     tab.click(*pixel(tab, layer._nodes[0]._drawn["ball"].frame.name))
     wait_until(lambda: layer._dragged == "ball")
     tab.wait_for(f"__viserMutable.nodeRefFromName['{GIZMO}'].visible")
+    tab.frames(10)
     mouse = GizmoMouse(tab, GIZMO, 0.12, lambda: layer._held)
     x, y = mouse.drag(6, (20, 20))
     wait_until(lambda: not np.array_equal(world.objects["ball"].pose, before))
