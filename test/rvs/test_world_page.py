@@ -11,7 +11,7 @@ pytest.importorskip("viser")
 from raw_client import inside_limits, send_value, wait_until
 from world_cases import HERE, ROBOT, SCENE, THERE, WALL, drag_messages, world_layer
 
-from robomech_ros.collision import MissingLibraryError, PlanningScene, libraries
+from robomech_ros.collision import MissingLibraryError, PlanningScene, Sphere, libraries
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots import load_description, load_robot
 from robomech_ros.rvs import view
@@ -138,6 +138,24 @@ def test_a_plan_around_the_wall_is_certified_until_the_wall_is_dragged_into_it(
     drag(page, commander, page._arm.world.scene.link_pose("wrist_3_link", middle)[:3, 3])
     wait_until(lambda: "Contact of " in motions._status.content)
     assert "ball" in motions._status.content
+
+
+def test_joints_beside_the_arm_change_the_table_once_they_rest():
+    chain = load_description(ROBOT).chain()
+    scene = PlanningScene(ROBOT, tip="forearm_link")
+    pose = PlanningScene(chain).link_pose("wrist_3_link", HERE)
+    scene.add("ball", Sphere(0.01), pose)
+    with view(ROBOT, port=0, scene=scene) as page:
+        page._ask("posture", lambda: page._arm.move_to(HERE[:3]))
+        wait_until(lambda: "data-postures" in page._stage._table.content)
+        assert not any("ball" in contact for contact in page._arm.posture_contacts)
+        positions = dict(zip(chain.joint_names, HERE.tolist(), strict=True))
+        for _ in range(2):
+            done = []
+            world_layer(page)._follow(positions)
+            page._worker.submit("done", lambda done=done: done.append(True))
+            wait_until(lambda done=done: done)
+        wait_until(lambda: "&#x27;ball&#x27;" in page._stage._table.content)
 
 
 def test_another_robot_of_the_page_keeps_what_was_dragged(page, layer, commander):

@@ -58,10 +58,11 @@ class WorldLayer(Layer):
         self._nodes: tuple[ObjectNodes, DistanceNodes] | None = None
         self._on = dict.fromkeys(LABELS, True)
         self._switches = Switches(place, LABELS, self._on)
-        # Where a running robot is; what was drawn last; the object with the gizmo, and whether it
-        # is held.
+        # Where a running robot is; what was drawn last, and for which version of the world postures
+        # were listed; the object with the gizmo, and whether it is held.
         self._q: Array | None = None
         self._shown: object = None
+        self._listed = -1
         self._dragged, self._held = NOTHING, False
         self._client: Any = None
         self._gizmo: Any = None
@@ -83,9 +84,14 @@ class WorldLayer(Layer):
     def show(self) -> None:
         """Follow the arm, or the running robot, and the objects."""
         world = self._place.arm.world
-        if world is None or self._nodes is None:
+        if world is None:
             self._write("no planning scene has come yet")
-            return
+        else:
+            self._listed = world.version
+            self._draw(world)
+
+    def _draw(self, world: WorldView) -> None:
+        assert self._nodes is not None
         objects, line = self._nodes
         q = self._place.arm.q if self._q is None else self._q
         now = (world, world.version, q.tobytes(), *self._on.values())
@@ -183,12 +189,17 @@ class WorldLayer(Layer):
             place.kept["world"] = scene
 
     def _follow_robot(self, positions: Mapping[str, float]) -> None:
-        arm = self._place.arm
+        arm, world = self._place.arm, self._place.arm.world
         self._q = np.array([positions[name] for name in arm.state_joints])
-        if arm.world is not None:
-            arm.world.place_others(positions)
+        if world is None:
+            return
+        before = world.version
+        world.place_others(positions)
+        if world.version == before != self._listed:
+            # Joints beside the arm have come to rest: what is said of its postures is old.
+            self.ask("others", lambda: None)
         with self._place.server.atomic():
-            self.show()
+            self._draw(world)
 
     def _choices(self) -> tuple[str, ...]:
         world = self._place.arm.world
