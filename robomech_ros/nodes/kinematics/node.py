@@ -85,7 +85,7 @@ class KinematicsNode(Node):
         self._joints = JointPositions(model, self._monitor)
         self._frames = RobotFrames(self, model, self._monitor, lambda: self._table.settings)
         self._robot = self._manipulator()
-        self._scene = MonitoredScene(self, self._frames, self._worker)
+        self._scene = MonitoredScene(self, model, self._monitor, self._worker)
         # While one of these waits, for a joint state, a frame or its turn, others are served.
         for kind, name, callback in (
             (SolveIK, "~/solve_ik", self._solve_ik),

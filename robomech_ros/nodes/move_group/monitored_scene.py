@@ -1,7 +1,7 @@
 """The planning scene of move_group, as other nodes follow it."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rclpy.event_handler import SubscriptionEventCallbacks
@@ -19,26 +19,15 @@ if TYPE_CHECKING:
     from robomech_ros.nodes.move_group.scenes import Scenes
 
 
-class RobotInState(Protocol):
-    """A robot and its present state."""
-
-    @property
-    def model(self) -> RobotModel:
-        """The robot."""
-
-    @property
-    def monitor(self) -> JointStateMonitor:
-        """Its present state."""
-
-
 class MonitoredScene:
     """Follows the topic ``monitored_planning_scene``, where its messages and coal are installed.
 
     Parameters
     ----------
     node : Node
-    frames : RobotFrames or RobotInState
-        The robot, with its present state.
+    model : RobotModel
+    monitor : JointStateMonitor
+        Knows the present state of the robot.
     worker : Worker
         Makes scenes, which takes a moment.
     changed : callable, optional
@@ -48,11 +37,13 @@ class MonitoredScene:
     def __init__(
         self,
         node: Node,
-        frames: "RobotInState",
+        model: RobotModel,
+        monitor: JointStateMonitor,
         worker: Worker,
         changed: Callable[[], None] = lambda: None,
     ) -> None:
-        self._frames, self._worker, self._changed = frames, worker, changed
+        self._model, self._monitor, self._worker = model, monitor, worker
+        self._changed = changed
         self._log = ThrottledLog(node.get_logger())
         self._scenes: Scenes | None = None
         try:
@@ -71,7 +62,7 @@ class MonitoredScene:
         """
         if ignored or self._scenes is None or not isinstance(way, SerialChain):
             return None
-        known = self._frames.monitor.known_positions(self._frames.model.joint_names)
+        known = self._monitor.known_positions(self._model.joint_names)
         return await self._scenes.of(way, known)
 
     def _take(self, message: Any) -> None:
@@ -86,11 +77,11 @@ class MonitoredScene:
     def _adopt(self, message: Any) -> None:
         from robomech_ros.nodes.move_group.scenes import Scenes
 
-        model = self._frames.model
+        model = self._model
         if self._scenes is None:
             self._scenes = Scenes(model, self._worker, 0.0)
         scenes = self._scenes
-        known = self._frames.monitor.known_positions(model.joint_names)
+        known = self._monitor.known_positions(model.joint_names)
         world = scenes.world.copy(empty=True)
         # Objects stand in the base, or in the link that carries them.
         places = {model.base_frame: np.eye(4)} | dict.fromkeys(model.description.links, np.eye(4))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from rclpy.node import Node
 
@@ -20,11 +20,6 @@ if TYPE_CHECKING:
 _TOPIC = "collision_object"
 
 
-class _Robot(NamedTuple):
-    model: RobotModel
-    monitor: JointStateMonitor
-
-
 class WorldFeed:
     """Follows the planning scene for a page, and publishes the objects that it moves.
 
@@ -39,8 +34,13 @@ class WorldFeed:
     def __init__(self, node: Node, model: RobotModel, view: WorldLayer) -> None:
         self._node, self._model, self._view = node, model, view
         self._worker = Worker(node)
-        robot = _Robot(model, JointStateMonitor(node))
-        self._scene = MonitoredScene(node, robot, self._worker, lambda: soon(node, self._show))
+        self._scene = MonitoredScene(
+            node,
+            model,
+            JointStateMonitor(node),
+            self._worker,
+            changed=lambda: soon(node, self._show),
+        )
         self._publisher: Any = None
         try:
             from moveit_msgs.msg import CollisionObject

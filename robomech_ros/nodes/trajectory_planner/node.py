@@ -72,7 +72,7 @@ class TrajectoryPlannerNode(Node):
         self._limits = self._motions.limits
         self._frames = RobotFrames(self, model, self._monitor, lambda: self._table.settings)
         self._points = TrajectoryPoints()
-        self._scene = MonitoredScene(self, self._frames, self._worker)
+        self._scene = MonitoredScene(self, model, self._monitor, self._worker)
         self._plan_once("poly345")
         self._plans = PlanPublication(self, model)
         # While one request waits for a joint state or a frame, others are served.
