@@ -92,6 +92,7 @@ class MonitoredScene:
             if one.header.frame_id not in (model.base_frame, model.chain.base):
                 why = f"object '{one.id[:100]}' is in '{one.header.frame_id[:100]}'"
                 raise RobomechError(f"{why}, expected '{model.base_frame}', the base")
-            world.apply_object(one, places | {model.chain.base: np.eye(4)})
+            if not world.keep(one, scenes.world):
+                world.apply_object(one, places | {model.chain.base: np.eye(4)})
         scenes.adopt(world, known)
         self._changed()
