@@ -22,8 +22,8 @@ _SHAPES = {
 }
 
 
-def shaped_ur5e() -> str:
-    """Return the URDF of a UR5e whose links have shapes."""
+def shaped_ur5e(acceleration: float | None = None) -> str:
+    """Return the URDF of a UR5e whose links have shapes, and its joints this limit (rad/s^2)."""
     from pathlib import Path
 
     text = Path(load_description("ur5e").where).read_text(encoding="utf-8")
@@ -35,4 +35,6 @@ def shaped_ur5e() -> str:
         else:
             assert filled in text, link
             text = text.replace(filled, f"{filled}{elements}")
+    if acceleration is not None:
+        text = text.replace("<limit ", f'<limit acceleration="{acceleration}" ')
     return text

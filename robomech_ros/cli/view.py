@@ -18,7 +18,7 @@ from robomech_ros.stop_signals import leave_on_signals
 if TYPE_CHECKING:
     from robomech_ros.rvs.page.page import RobotPage
 
-_OF_ARMS = ("base_link", "tip_link", "srdf", "group")
+_OF_ARMS = ("base_link", "tip_link", "srdf", "group", "scene")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,6 +28,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tip-link", default="", help="last link of the chain")
     parser.add_argument("--srdf", default="", help="SRDF with groups and named states")
     parser.add_argument("--group", default="", help="group of the SRDF to move")
+    parser.add_argument(
+        "--scene", default="", help="file with the objects around the arm, in MoveIt's layout"
+    )
     parser.add_argument("--port", type=integer, default=PORT, help=f"0 = a free port ({PORT})")
     parser.add_argument(
         "--host",
@@ -60,4 +63,11 @@ def _page(args: argparse.Namespace) -> RobotPage:
         return page_of(description, moved, port=args.port, host=args.host)
     known = load_semantics(description, args.srdf)
     chain = main_chain(description, known, args.base_link, args.tip_link, args.group)
-    return page_of(description, chain, port=args.port, host=args.host)
+    if not args.scene:
+        return page_of(description, chain, port=args.port, host=args.host)
+    # What collisions need is loaded only for them.
+    from robomech_ros.collision import PlanningScene
+
+    scene = PlanningScene(chain, srdf=known)
+    scene.load(args.scene)
+    return page_of(description, chain, port=args.port, host=args.host, scene=scene)

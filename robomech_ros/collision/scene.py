@@ -115,6 +115,16 @@ class PlanningScene:
         return bool(self._links)
 
     @property
+    def unchecked_text(self) -> str:
+        """Say what of the robot is not checked; empty if all of it is."""
+        if not self.has_geometry:
+            description = self.chain.description
+            name = self.chain.name if description is None else description.name
+            return f"no collisions were checked: '{name}' has no collision geometry"
+        faults = "; ".join(f"link '{link}': {why}" for link, why in self.unchecked.items())
+        return f"collisions of some links were not checked: {faults}" if faults else ""
+
+    @property
     def bodies(self) -> tuple[str, ...]:
         """Links with shapes, then objects."""
         return (*dict.fromkeys(link for link, *_ in self._links), *self._objects)
@@ -218,7 +228,7 @@ class PlanningScene:
         if not found.link:
             raise BadValueError("object", name, "one that a link carries")
         pose = found.pose if q is None else self.link_pose(found.link, q) @ found.pose
-        released = replace(found, pose=pose, link="", touch_links=frozenset())
+        released = replace(found, pose=pose, link="", touch_links=frozenset(), covers=())
         self._change({**self._objects, name: released})
 
     def allow(self, first: str, second: str, why: str = "allowed") -> None:
@@ -378,11 +388,11 @@ class PlanningScene:
             placed.append(PlacedBody(link, place.frame, place.pose @ pose, body, spheres, around))
         world = []
         for one in self._objects.values():
-            for _, body, pose in one.parts:
+            for k, (_, body, pose) in enumerate(one.parts):
                 if one.link:
                     place = links[one.link]
                     there = place.pose @ one.pose @ pose
-                    placed.append(PlacedBody(one.name, place.frame, there, body, *covered(body)))
+                    placed.append(PlacedBody(one.name, place.frame, there, body, *one.covers[k]))
                 else:
                     there = one.pose @ pose
                     world.append(

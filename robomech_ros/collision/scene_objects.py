@@ -37,6 +37,8 @@ class SceneObject:
         What carries it; empty for an object of the world.
     touch_links : frozenset of str
         Links that may touch it.
+    covers : tuple of (ndarray, ndarray)
+        Spheres of each part while a link carries it; see `covered`.
     """
 
     name: str
@@ -44,6 +46,7 @@ class SceneObject:
     pose: Array
     link: str = ""
     touch_links: frozenset[str] = frozenset()
+    covers: tuple[tuple[Array, Array], ...] = ()
 
 
 def read_parts(shape: Shapes) -> tuple[tuple[Shape, Body, Array], ...]:
@@ -65,7 +68,7 @@ def carried_by(link: str, one: SceneObject) -> SceneObject:
     """Return an object as a link carries it; planes, which have no end, are refused."""
     if any(isinstance(shape, Plane) for shape, _, _ in one.parts):
         raise BadValueError("object", one.name, "one without planes, which have no end")
-    return replace(one, link=link)
+    return replace(one, link=link, covers=tuple(covered(body) for _, body, _ in one.parts))
 
 
 def covered(body: Body, most: int = MOST_SPHERES) -> tuple[Array, Array]:

@@ -131,10 +131,11 @@ class Motion:
 
     def at(self, times: ArrayLike) -> Array:
         """Return positions (..., n) at times (...) in s, as a controller passes through q."""
-        return self._curve.sample(np.asarray(times) - self.times[0]).position
+        return self.curve.sample(np.asarray(times) - self.times[0]).position
 
     @cached_property
-    def _curve(self) -> PiecewisePolynomial:
+    def curve(self) -> PiecewisePolynomial:
+        """The curve on which a controller passes through q, from 0 s on."""
         return interpolant(self.times - self.times[0], self.q, self.qd, self.qdd)
 
     def sampled(self, rate: float) -> tuple[Array, Array]:

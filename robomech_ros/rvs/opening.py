@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from robomech_ros.errors import RobomechError
+from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.parallel import load_tree_description
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.robots.robot_kinds import ARM, check_name, kind_of
@@ -18,6 +18,7 @@ from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.serving.address import HOST, PORT
 
 if TYPE_CHECKING:
+    from robomech_ros.collision import PlanningScene
     from robomech_ros.parallel import Mechanism, ParallelRobot
     from robomech_ros.rvs.model.draggable import DraggableRobot
     from robomech_ros.rvs.model.live_robot import LiveMobileRobot, LiveRobot
@@ -40,6 +41,7 @@ def view(
     host: str = HOST,
     base: str | None = None,
     tip: str | None = None,
+    scene: PlanningScene | Mapping[str, Any] | str | os.PathLike[str] | None = None,
 ) -> RobotPage:
     """Show a robot in a browser, to be moved by sliders, by its tip and from posture to posture.
 
@@ -58,6 +60,10 @@ def view(
     base, tip : str, optional
         Links between which the arm is; by default those of ``load_robot``.  A parallel robot has
         its own.
+    scene : PlanningScene, mapping or path, optional
+        What stands around an arm: a scene of this arm, whose chain is then shown, or a scene in
+        MoveIt's layout (see :meth:`~robomech_ros.collision.PlanningScene.load`).  The page moves
+        the objects of a copy.
 
     Returns
     -------
@@ -73,7 +79,10 @@ def view(
     AddressError
         The system does not let anybody listen at the address.
     BadValueError
-        It is no port number, or no text, or the robot has limbs of any kind.
+        It is no port number, or no text, or the robot has limbs of any kind, or the scene is not
+        one of this arm.
+    MissingLibraryError
+        A scene is given, and coal is not installed.
     UnknownRobotError, UnknownLinkError, RobotDescriptionError
         As for ``load_robot``.
 
@@ -90,7 +99,29 @@ def view(
     >>> page.close()
     """
     description, moved = shown_robot(robot)
-    return page_of(description, moved or description.chain(base, tip), port=port, host=host)
+    if scene is None:
+        return page_of(description, moved or description.chain(base, tip), port=port, host=host)
+    if moved is not None:
+        raise BadValueError("scene", "given", f"none: '{moved.name}' is no arm")
+    around = _scene_of(description, base, tip, scene)
+    return page_of(description, around.chain, port=port, host=host, scene=around)
+
+
+def _scene_of(
+    description: RobotDescription, base: str | None, tip: str | None, given: Any
+) -> PlanningScene:
+    """Return a scene of an arm."""
+    from robomech_ros.collision import PlanningScene
+
+    if not isinstance(given, PlanningScene):
+        scene = PlanningScene(description, base=base, tip=tip)
+        scene.load(given)
+        return scene
+    own = given.chain.description
+    if own is None or own.name != description.name or base or tip:
+        expected = f"a scene of '{description.name}', which has its own base and tip"
+        raise BadValueError("scene", f"one of '{given.chain.name}'", expected)
+    return given.copy()
 
 
 def shown_robot(
@@ -135,6 +166,7 @@ def page_of(
     port: int,
     host: str,
     live: Sequence[LayerMaker] = (),
+    scene: PlanningScene | None = None,
 ) -> RobotPage:
     """Serve the page of a robot; other parameters and errors are those of :func:`view`.
 
@@ -146,6 +178,8 @@ def page_of(
     port, host : int, str
     live : sequence of LayerMaker, optional
         Layers of a robot that runs, before the others; no other robot can then be shown.
+    scene : PlanningScene, optional
+        What stands around the arm, which is the chain of the scene.
     """
     require_viser()
     from robomech_ros.rvs.layers.gripper import GripperLayer
@@ -156,6 +190,8 @@ def page_of(
         kind = moved.kind
     elif not live:
         layers.append(GripperLayer)
+    if scene is not None:
+        layers.append(_world_layer(scene=scene))
     layers += VIEW_KINDS[kind].make_layers()
     return RobotPage(description, moved, port=port, host=host, layers=layers, fixed=bool(live))
 
@@ -185,7 +221,7 @@ def live_page_of(
 
     live: list[LayerMaker] = [partial(LiveLayer, robot=robot)]
     if isinstance(moved, SerialChain):
-        live.append(partial(GripperLayer, robot=robot))
+        live += [partial(GripperLayer, robot=robot), _world_layer(robot=robot)]
         return page_of(description, moved, port=port, host=host, live=live)
     return page_of(description, _platform(moved), port=port, host=host, live=live)
 
@@ -210,6 +246,12 @@ def mobile_page_of(
     layers: list[LayerMaker] = [partial(LiveMobileRobotLayer, robot=robot), CameraLayer]
     description = followed.description
     return RobotPage(description, followed, port=port, host=host, layers=layers, fixed=True)
+
+
+def _world_layer(**given: Any) -> LayerMaker:
+    from robomech_ros.rvs.layers.world import WorldLayer
+
+    return partial(WorldLayer, **given)
 
 
 def _platform(robot: ParallelRobot | Mechanism) -> DraggableRobot:

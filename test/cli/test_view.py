@@ -1,9 +1,11 @@
 """``robomech view``: prints the address of a page, serves it, and ends when it is asked to."""
 
+import argparse
 import re
 import signal
 import subprocess
 import sys
+from pathlib import Path
 from urllib.request import urlopen
 
 import pytest
@@ -13,6 +15,17 @@ from robomech_ros.cli.main import main
 pytest.importorskip("viser")
 
 COMMAND = (sys.executable, "-m", "robomech_ros.cli.main", "view")
+
+
+def test_a_scene_is_shown():
+    from robomech_ros.cli import view
+
+    scene = Path(__file__).parents[2] / "config" / "scenes" / "shelf.yaml"
+    parser = argparse.ArgumentParser()
+    view.add_arguments(parser)
+    options = ("--robot", "ur5e", "--port", "0", "--scene", str(scene))
+    with view._page(parser.parse_args(options)) as page:
+        assert "back" in page._arm.world.objects
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -38,6 +51,8 @@ def test_a_page_is_served_until_a_signal(number):
         (("--host", "192.0.2.1"), "192.0.2.1"),
         (("--robot", "ur5e", "--tip-link", "nowhere"), "'nowhere'"),
         (("--robot", "mecanun"), "did you mean 'mecanum'?"),
+        (("--robot", "ur5e", "--scene", "nowhere.yaml"), "nowhere.yaml"),
+        (("--robot", "hexapod", "--scene", "x"), "--scene does not apply to 'hexapod'"),
         (
             ("--robot", "mecanum", "--tip-link", "x"),
             "--tip-link does not apply to 'mecanum', a robot of kind 'rolling'; "

@@ -8,18 +8,18 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent / "rvs"))
+sys.path[:0] = [str(HERE.parent), str(HERE.parent / "rvs")]
 
 from chromium import Tab, chromium  # noqa: E402
 from controls import button, field, heading, press, write  # noqa: E402
 from raw_client import wait_until  # noqa: E402
+from world_cases import HERE as BESIDE, ROBOT, SCENE  # noqa: E402
 
 from robomech_ros.rvs import Motion, view  # noqa: E402
 from robomech_ros.trajectory import point_to_point  # noqa: E402
@@ -99,13 +99,26 @@ def hand(page, tab) -> None:
     press(tab, button("Fit view"))
 
 
+def world(page, tab) -> None:
+    """Objects around an arm, the nearest pair, and postures that are struck out."""
+    take(page, BESIDE)
+    page.show("gizmo", False)
+    pose = page._arm.world.objects["wall"].pose.copy()
+    pose[:3, 3] = 0.6, 0.25, 0.3
+    page._ask("wall", lambda: page._arm.world.move("wall", pose))
+    page.take("5")
+    tab.wait_for("document.querySelector('[data-contact]')")
+    press(tab, button("Fit view"))
+
+
 def take(page, q) -> None:
     """Bring the arm to a posture."""
     page._ask("posture", lambda: page._arm.move_to(q))
     wait_until(lambda: np.array_equal(page._arm.q, q))
 
 
-PICTURES: dict[str, tuple[str, Callable]] = {
+# Robot, what is done on its page, and perhaps a scene around it.
+PICTURES: dict[str, tuple] = {
     "view_robot": ("ur5e", robot),
     "view_ghosts": ("ur5e", ghosts),
     "view_contours": ("ur5e", contours),
@@ -114,13 +127,14 @@ PICTURES: dict[str, tuple[str, Callable]] = {
     "view_linapod": ("linapod", platform),
     "view_tripod": ("tripod_3prs", platform),
     "view_hand": ("three_fingered", hand),
+    "view_world": (ROBOT, world, SCENE),
 }
 
 
 def draw(name: str) -> Path:
     """Write one picture."""
-    what, prepare = PICTURES[name]
-    with view(what, port=0) as page:
+    what, prepare, *scene = PICTURES[name]
+    with view(what, port=0, scene=scene[0] if scene else None) as page:
         tab = Tab(f"{page.url}&fixedDpr=1", WIDTH, HEIGHT)
         try:
             tab.wait_for("__viserMutable.nodeRefFromName['/base/target']")

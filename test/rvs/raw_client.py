@@ -64,14 +64,14 @@ def camera():
     return message | {"up_direction": [0.0, 0.0, 1.0]}
 
 
-def grip(owner):
+def grip(owner, name="/base/target"):
     """The message of a gizmo that the mouse takes."""
-    return {"type": "TransformControlsDragStartMessage", "name": "/base/target", "owner": owner}
+    return {"type": "TransformControlsDragStartMessage", "name": name, "owner": owner}
 
 
-def gizmo(position, wxyz=(1.0, 0.0, 0.0, 0.0), owner="0"):
+def gizmo(position, wxyz=(1.0, 0.0, 0.0, 0.0), owner="0", name="/base/target"):
     """The message of a gizmo that is dragged."""
-    message = {"type": "TransformControlsUpdateMessage", "name": "/base/target", "owner": owner}
+    message = {"type": "TransformControlsUpdateMessage", "name": name, "owner": owner}
     return message | {"wxyz": list(wxyz), "position": list(position)}
 
 

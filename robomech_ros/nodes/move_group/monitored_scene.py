@@ -1,5 +1,6 @@
 """The planning scene of move_group, as other nodes follow it."""
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,6 +35,8 @@ class MonitoredScene:
         Makes scenes, which takes a moment.
     padding : float
         Thickness that is added to every link (m).
+    changed : callable, optional
+        Called after each change.
 
     Attributes
     ----------
@@ -48,9 +51,10 @@ class MonitoredScene:
         monitor: JointStateMonitor,
         worker: Worker,
         padding: float = 0.0,
+        changed: Callable[[], None] = lambda: None,
     ) -> None:
         self._model, self._monitor, self._worker = model, monitor, worker
-        self._padding = padding
+        self._padding, self._changed = padding, changed
         self._log = ThrottledLog(node.get_logger())
         self._waiting: Any = None
         self._positions: dict[str, float] = {}
@@ -137,5 +141,7 @@ class MonitoredScene:
             if one.header.frame_id not in (model.base_frame, model.chain.base):
                 why = f"object '{one.id[:100]}' is in '{one.header.frame_id[:100]}'"
                 raise RobomechError(f"{why}, expected '{model.base_frame}', the base")
-            world.apply_object(one, places | {model.chain.base: np.eye(4)})
+            if not world.keep(one, scenes.world):
+                world.apply_object(one, places | {model.chain.base: np.eye(4)})
         scenes.adopt(world, known)
+        self._changed()

@@ -90,11 +90,7 @@ class Scenes:
     @property
     def unchecked(self) -> str:
         """Say what of the robot is not checked; "" if all of it is."""
-        scene, name = self.whole({}), self._model.description.name
-        if not scene.has_geometry:
-            return f"no collisions were checked: '{name}' has no collision geometry"
-        faults = "; ".join(f"link '{link}': {why}" for link, why in scene.unchecked.items())
-        return f"collisions of some links were not checked: {faults}" if faults else ""
+        return self.whole({}).unchecked_text
 
     def _configured(self) -> "_Follower":
         return self._follower_made(self._model.chain)

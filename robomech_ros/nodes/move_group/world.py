@@ -147,6 +147,29 @@ class World:
             one = _object(message, pose, standing[name] if operation == _APPEND else None)
             self.objects[name] = one.at(one.pose, self.base_frame)
 
+    def keep(self, message: Any, before: "World") -> bool:
+        """Take over an object that an earlier scene has with the same shapes; say if it does.
+
+        Meshes are compared much faster than they are read.
+
+        Parameters
+        ----------
+        message : CollisionObject
+            In the base.
+        before : World
+        """
+        known = before.standing.get(message.id)
+        if known is None:
+            return False
+        unmoved = copy(message)
+        unmoved.pose = known.message.pose
+        if unmoved != known.message:
+            return False
+        if message.pose != known.message.pose:
+            known = known.at(pose_of(message.pose, "pose"), self.base_frame)
+        self.objects[message.id] = known
+        return True
+
     def apply_attached(self, message: Any, poses: Poses) -> None:
         """Attach an object to a link, or detach it.
 

@@ -20,11 +20,14 @@ from robomech_ros.nodes.rvs.messages import motion_from_trajectory, read_marker
 from robomech_ros.nodes.rvs.motions import Motions
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.nodes.rvs.state_feed import StateFeed
+from robomech_ros.nodes.rvs.world_feed import WorldFeed
 from robomech_ros.robots.gripper import GripperModel
 from robomech_ros.rvs.model.live_robot import ViewMarker
+from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
     from robomech_ros.rvs.layers.live import LiveLayer
+    from robomech_ros.rvs.layers.world import WorldLayer
 
 # Markers that are drawn at the most, and points of all of them.
 _MOST_MARKERS, _MOST_POINTS = 1000, 100_000
@@ -49,6 +52,7 @@ class RunningRobot(JoggedRobot):
         self._log = ThrottledLog(node.get_logger())
         self._listening: list[Subscription] = []
         self._markers: dict[str, dict[str, ViewMarker]] = {}
+        self._world: WorldFeed | None = None
 
     def begin(self, view: LiveLayer) -> None:
         """Report to this page, from now on."""
@@ -80,6 +84,21 @@ class RunningRobot(JoggedRobot):
     def gripper_moves(self) -> bool:
         """Whether a command to the gripper is under way."""
         return self._gripper.moves
+
+    def follow_world(self, view: WorldLayer) -> None:
+        """Tell this layer of the objects around the robot, from now on."""
+        self._world = WorldFeed(self._node, self._model, view)
+
+    def move_object(self, name: str, pose: Array) -> None:
+        """Have an object around the robot moved to a pose (4, 4) in the base (m)."""
+        if self._world is not None:
+            self._view.say("world", self._world.move(name, pose))
+
+    def close(self) -> None:
+        """End what was begun; the topics go with the node."""
+        super().close()
+        if self._world is not None:
+            self._world.close()
 
     def want_markers(self, wanted: bool) -> None:
         """Listen to markers, or not."""

@@ -24,7 +24,7 @@ class CameraLayer(Layer):
 
     def __init__(self, place: LayerContext) -> None:
         super().__init__(place)
-        place_camera(place.server, shown_points(place))
+        place_camera(place.server, all_points(place))
 
     def controls(self, client: Any) -> Controls:
         """Return the button."""
@@ -40,8 +40,13 @@ class CameraLayer(Layer):
 
 def fit_view(place: LayerContext, client: Any) -> None:
     """Let robot, ghosts, plan and what layers show fill a browser (viser.ClientHandle)."""
+    fit_camera(client, all_points(place))
+
+
+def all_points(place: LayerContext) -> Array:
+    """Return points (k, 3) (m) in the root around all that is shown."""
     extents = [extent() for extent in place.extents.values()]
-    fit_camera(client, np.vstack([shown_points(place), *extents]))
+    return np.vstack([shown_points(place), *extents])
 
 
 def shown_points(place: LayerContext) -> Array:

@@ -38,7 +38,7 @@ class LiveLayer(LivePage):
     label, order = "ROS", 50
 
     def __init__(self, place: LayerContext, robot: LiveRobot) -> None:
-        lines = ("servo", "dropped", "gripper")
+        lines = ("servo", "dropped", "gripper", "world")
         super().__init__(place, robot, lines, "Stops whatever moves the robot; every browser may")
         self._robot = robot
         self._nodes, self._goal_nodes = place.separate()
@@ -170,6 +170,8 @@ class LiveLayer(LivePage):
             self._nodes.move(positions)
         q = np.array([positions[name] for name in self._names])
         self._show_fingers(positions)
+        for follow in self._place.followers:
+            follow(positions)
         if self._goal.robot_is_at(q, time.monotonic()):
             self._place.ask("goal", self._follow)
         self._leave_behind(self._goal.is_behind)

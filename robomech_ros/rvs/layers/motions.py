@@ -6,7 +6,7 @@ import html
 import threading
 import time
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.parallel import Mechanism
@@ -28,6 +28,9 @@ from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory import PROFILES
 from robomech_ros.typing import Array
 
+if TYPE_CHECKING:
+    from robomech_ros.rvs.model.world import MotionVerdict
+
 # A motion that plays moves on so often (s).
 BEAT = 0.04
 # Instead of the name of a quantity.
@@ -36,9 +39,8 @@ CURVES = (*QUANTITIES, ALL, NO_CURVES)
 # Steps of the slider of the time (s), and of the speed; decimals that their fields have room for.
 STEP, SPEED_STEP, DECIMALS = 0.01, 0.1, 2
 START, GOAL = "Start here", "Goal here"
-_STATUS = (
-    '<div style="font-size:0.85em;padding:0 0.85em 0.4em" data-plan><div{style}>{text}</div></div>'
-)
+_STATUS = '<div style="font-size:0.85em;padding:0 0.85em 0.4em" data-plan>{lines}</div>'
+_LINE = "<div{style} {name}>{text}</div>"
 _WARNS = ' style="border-left:3px solid #d9480f;padding-left:0.6em"'
 
 
@@ -62,6 +64,9 @@ class MotionLayer(Layer):
         links = place.chain.links if place.jogged else (end,)
         self.traced = {link: link == end for link in links}
         self.status, self.warns = "No plan yet: press Start here, move it, Goal here.", False
+        # What is said of contacts of the plan, and for which plan in which world.
+        self.verdict: MotionVerdict | None = None
+        self._judged: object = None
         self._ends: dict[str, Any] = {}
         self._asked: Motion | None = None
         self._plan: SweptPlan | None = None
@@ -79,6 +84,9 @@ class MotionLayer(Layer):
         motion = self._place.plan.motion
         if self._degrees != self._place.units.degrees:
             self._draw()
+        self._judge(motion)
+        if self.is_open and self._way_choice.options != self._ways:
+            self._way_choice.options = self._ways
         if motion is not self._asked:
             self._asked = motion
             if motion is None:
@@ -94,7 +102,9 @@ class MotionLayer(Layer):
         for label, which in ((START, "start"), (GOAL, "goal")):
             hint = f"The present posture is the {which} of a plan"
             folder.button(label, partial(self.remember, which), hint)
-        folder.dropdown("Way", PATH_KINDS, self.path_kind, partial(self._choose, "way"))
+        self._way_choice = folder.dropdown(
+            "Way", self._ways, self.path_kind, partial(self._choose, "way")
+        )
         folder.dropdown("Profile", tuple(PROFILES), self.profile, partial(self._choose, "profile"))
         self._add_playing(folder, gui)
         folder.dropdown("Curves", CURVES, self.curves, self.choose_curves)
@@ -136,8 +146,14 @@ class MotionLayer(Layer):
         label = "Pause" if self.player.playing else "Play"
         if self._play.label != label:
             self._play.label = label
-        style = _WARNS if self.warns else ""
-        self._status.content = _STATUS.format(style=style, text=html.escape(self.status))
+        said = [("", self.status, self.warns)]
+        if self.verdict is not None:
+            said.append(("data-verdict", self.verdict.sentence, self.verdict.warns))
+        lines = [
+            _LINE.format(style=_WARNS if warns else "", name=name, text=html.escape(text))
+            for name, text, warns in said
+        ]
+        self._status.content = _STATUS.format(lines="".join(lines))
 
     def close(self) -> None:
         """Stop what plays and computes."""
@@ -155,7 +171,7 @@ class MotionLayer(Layer):
 
     def choose_plan(self, path_kind: str, profile: str) -> None:
         """Plan in another way."""
-        self.path_kind = as_choice("way", path_kind, PATH_KINDS)
+        self.path_kind = as_choice("way", path_kind, self._ways)
         self.profile = as_choice("profile", profile, tuple(PROFILES))
         self.make_plan()
 
@@ -172,10 +188,14 @@ class MotionLayer(Layer):
             return
         ends = self._ends["start"], self._ends["goal"]
         robot, kind, profile = self._robot, self.path_kind, self.profile
+        world = self._place.moved.world
+        around = None if world is None or kind in PATH_KINDS else world.planner()
 
         def compute() -> None:
             try:
-                if isinstance(robot, Mechanism):
+                if around is not None:
+                    made = around(*ends, kind, profile)
+                elif isinstance(robot, Mechanism):
                     made = plan_platform_between(robot, *ends, kind, profile)
                 else:
                     made = plan_between(robot, *ends, kind, profile)
@@ -224,6 +244,29 @@ class MotionLayer(Layer):
         self._scene.show(self._plan, self.sweep, [k for k, chosen in self.traced.items() if chosen])
 
     # What happens inside.
+
+    @property
+    def _ways(self) -> tuple[str, ...]:
+        world = self._place.moved.world
+        return PATH_KINDS if world is None else (*PATH_KINDS, *world.ways)
+
+    def _judge(self, motion: Motion | None) -> None:
+        """Find out whether a plan is free of contact, again when the world has changed."""
+        world = self._place.moved.world
+        wanted = None if motion is None or world is None else (motion, world, world.version)
+        if wanted == self._judged:
+            return
+        self._judged = wanted
+        if motion is None or world is None:
+            self._take_verdict(wanted, None)
+        else:
+            take = partial(self._take_verdict, wanted)
+            self.find("judge", partial(world.judge(), motion), take)
+
+    def _take_verdict(self, judged: object, verdict: MotionVerdict | None) -> None:
+        if judged == self._judged:
+            self.verdict = verdict
+            self._update(keep_time=True)
 
     def _closed(self, q: Array) -> Array:
         """Close the loops of a posture between two samples of a plan."""

@@ -58,6 +58,19 @@ class ArmView(DraggableRobot):
         """Be where a robot is (rad or m), at the limits where that is outside."""
         self.move_to(np.clip(q, self.chain.lower, self.chain.upper))
 
+    @property
+    def posture_contacts(self) -> tuple[str, ...]:
+        """Which bodies touch in each posture of the study, in words; empty for none."""
+        if self.world is None:
+            return super().posture_contacts
+        self.world.place_others(self.others)
+        return tuple(self.world.contact(posture.q) for posture in self.study.postures)
+
+    @property
+    def faulty_links(self) -> tuple[str, ...]:
+        """Links that are in contact."""
+        return () if self.world is None else self.world.touching(self._q)
+
     def positions_of(self, q: Array) -> dict[str, float]:
         """Name the joints of a posture (n,), and those beside the arm."""
         return {**self.others, **super().positions_of(q)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from numpy.typing import ArrayLike
 
@@ -17,6 +17,9 @@ from robomech_ros.rvs.model.ghosts import GhostMaker, NoGhosts
 from robomech_ros.rvs.model.postures import PoseStudy
 from robomech_ros.rvs.model.visual_model import VisualModel
 from robomech_ros.typing import Array
+
+if TYPE_CHECKING:
+    from robomech_ros.rvs.model.world import WorldView
 
 # Half the travel of sliders of turning joints without a limit (rad).
 OPEN_TURN = 2.0 * math.pi
@@ -66,10 +69,13 @@ class DraggableRobot(ABC):
         What errors call a slider.
     room : float
         Least side of the ground around it (m).
+    world : WorldView or None
+        The objects around it; None if they are not known.
     """
 
     kind: ClassVar[str] = ARM
     lists_postures, slider_noun, room = True, "joint", 0.0
+    world: WorldView | None = None
     _study: PoseStudy
 
     def __init__(
@@ -111,6 +117,11 @@ class DraggableRobot(ABC):
     def study(self) -> PoseStudy:
         """Study of the pose that the end has or is dragged to."""
         return self._study
+
+    @property
+    def posture_contacts(self) -> tuple[str, ...]:
+        """Which bodies touch in each posture of the study, in words; empty for none."""
+        return ("",) * len(self.study.postures)
 
     @property
     def target(self) -> Array:

@@ -90,6 +90,12 @@ class LiveRobot(Protocol):
     def move_gripper(self, value: float) -> None:
         """Open or close the gripper to a value of :attr:`gripper`."""
 
+    def follow_world(self, view: Any) -> None:
+        """Tell this layer of the objects around the robot, from now on."""
+
+    def move_object(self, name: str, pose: Array) -> None:
+        """Move an object around the robot to a pose (4, 4) in the base (m)."""
+
     def let_plans_wait(self, waiting: bool) -> None:
         """Have plans executed on request only, or each as it is made."""
 

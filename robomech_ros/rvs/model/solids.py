@@ -51,6 +51,15 @@ def sphere(radius: float) -> Solid:
     return _revolved(radius * np.sin(angles), -radius * np.cos(angles), (-radius, radius))
 
 
+def capsule(radius: float, length: float) -> Solid:
+    """Make all points within a radius of a line along z, of this length, about the origin (m)."""
+    half = RINGS // 2
+    angles = np.pi * np.append(np.arange(1, half + 1), np.arange(half, RINGS)) / RINGS
+    ends = 0.5 * length * np.append(-np.ones(half), np.ones(half))
+    top = radius + 0.5 * length
+    return _revolved(radius * np.sin(angles), ends - radius * np.cos(angles), (-top, top))
+
+
 def _revolved(
     radii: Sequence[float] | Array, heights: Sequence[float] | Array, ends: tuple[float, float]
 ) -> Solid:

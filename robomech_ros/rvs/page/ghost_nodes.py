@@ -16,6 +16,8 @@ from robomech_ros.typing import Array
 OPACITY = 0.45
 # Numbers nearer to each other than this part of the reach are written as one.
 TOGETHER = 0.05
+# Behind the number of a posture that is struck out.
+CROSS = "\N{MULTIPLICATION SIGN}"
 
 
 class Ghost(NamedTuple):
@@ -29,11 +31,19 @@ class Ghost(NamedTuple):
         rad or m.
     colour : tuple of int
         Red, green, blue, 0 to 255.
+    struck : bool, optional
+        Whether its number is crossed out.
     """
 
     number: int
     q: Array
     colour: Rgb
+    struck: bool = False
+
+    @property
+    def text(self) -> str:
+        """Its number, as it is written beside it."""
+        return f"{self.number + 1}{CROSS if self.struck else ''}"
 
 
 class GhostBatch:
@@ -121,9 +131,9 @@ class GhostNodes:
                     k for k, p in enumerate(places) if np.linalg.norm(p - place) < self._together
                 ]
                 if near:
-                    texts[near[0]] += f", {one.number + 1}"
+                    texts[near[0]] += f", {one.text}"
                 else:
-                    texts.append(str(one.number + 1))
+                    texts.append(one.text)
                     places.append(place)
         for k, label in enumerate(self._labels):
             label.visible = k < len(texts)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Any, NamedTuple, Protocol
@@ -119,6 +119,9 @@ class LayerContext:
     extents : dict
         Where layers put callables that give points (k, 3) (m) in the root, which are to be in the
         picture.
+    followers : list
+        Where layers put callables that get the joints of a running robot by name (rad or m), on
+        any thread.
     """
 
     server: Any
@@ -139,6 +142,7 @@ class LayerContext:
     path: Callable[[str], str]
     units: Units
     extents: dict[str, Callable[[], Array]] = field(default_factory=dict)
+    followers: list[Callable[[Mapping[str, float]], None]] = field(default_factory=list)
 
     @property
     def arm(self) -> ArmView:

@@ -9,7 +9,7 @@ from robomech_ros.rvs.model.draggable import DraggableRobot
 from robomech_ros.rvs.model.ghosts import PALETTE
 from robomech_ros.rvs.model.visual_model import VisualModel
 from robomech_ros.rvs.page.ghost_nodes import Ghost, GhostNodes
-from robomech_ros.rvs.page.robot_nodes import RobotNodes, placed
+from robomech_ros.rvs.page.robot_nodes import MARKED, RobotNodes, placed
 from robomech_ros.rvs.page.surroundings import add_surroundings
 from robomech_ros.rvs.page.tables import notice, posture_table, summary
 from robomech_ros.rvs.page.units import Units
@@ -49,10 +49,12 @@ class PageScene:
 
     def show(self, arm: DraggableRobot, notices: Sequence[str]) -> None:
         """Show where an arm is, what is known of its pose, and what went wrong."""
-        study = arm.study
-        colours = [PALETTE[k % len(PALETTE)] for k in range(len(study.postures))]
+        study, contacts = arm.study, arm.posture_contacts
+        colours = [
+            MARKED if contact else PALETTE[k % len(PALETTE)] for k, contact in enumerate(contacts)
+        ]
         ghosts = [
-            Ghost(number, posture.q, colours[number])
+            Ghost(number, posture.q, colours[number], bool(contacts[number]))
             for number, posture in enumerate(study.postures)
             if not posture.is_here
         ]
@@ -64,7 +66,9 @@ class PageScene:
             self.ghosts.show(ghosts)
             self._summary.content = summary(arm)
             self._notice.content = notice([*self._seen.missing, *notices])
-            self._table.content = posture_table(study.postures, colours, arm.units, self._units)
+            self._table.content = posture_table(
+                study.postures, colours, contacts, arm.units, self._units
+            )
 
     def separate(self) -> tuple[RobotNodes, RobotNodes]:
         """Draw the arm as a goal, translucent, beside the robot, which the caller moves.

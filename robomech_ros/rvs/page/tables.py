@@ -27,6 +27,8 @@ _CLICK = (
     f"{script_that_fills(TAKE)}"
 )
 _CELL = "padding:0.12em 0.4em;text-align:right"
+# Below the name of a posture that is struck out.
+_CONTACT = '<div data-contact style="color:#c92a2a;font-size:0.9em">{}</div>'
 # From here on a condition number says no more than that the arm is singular.
 SINGULAR = 1e6
 
@@ -45,6 +47,9 @@ def summary(arm: DraggableRobot) -> str:
     fine = study.postures or study.status is Status.SUCCESS
     style = "" if fine else f' style="{WARN}"'
     lines.append(f"<div{style} data-sentence>{html.escape(study.sentence)}</div>")
+    touching = sum(map(bool, arm.posture_contacts))
+    if touching:
+        lines.append(f"<div>In contact, and struck out: {touching} of them.</div>")
     if study.nearest is not None:
         lines.append(
             f"<div>The nearest posture, in grey, misses it by {study.position_error:.4g} m and "
@@ -66,9 +71,23 @@ def small_text(sentences: Sequence[str], *, escaped: bool = False) -> str:
 
 
 def posture_table(
-    postures: Sequence[Posture], colours: Sequence[Rgb], joint_units: Sequence[str], units: Units
+    postures: Sequence[Posture],
+    colours: Sequence[Rgb],
+    contacts: Sequence[str],
+    joint_units: Sequence[str],
+    units: Units,
 ) -> str:
-    """Write the table of the postures, whose rows take one by a click, as HTML."""
+    """Write the table of the postures, whose rows take one by a click, as HTML.
+
+    Parameters
+    ----------
+    postures : sequence of Posture
+    colours : sequence of tuple of int
+    contacts : sequence of str
+        What touches in each posture; it is struck out then.  Empty for nothing.
+    joint_units : sequence of str
+    units : Units
+    """
     if not postures:
         return ""
     # Lengths of different kinds together cannot be written in degrees.
@@ -80,8 +99,8 @@ def posture_table(
         for k, title in enumerate(titles)
     )
     rows = [
-        _row(number, posture, colour, partial(units.number, unit=unit, decimals=3))
-        for number, (posture, colour) in enumerate(zip(postures, colours, strict=True), start=1)
+        _row(number, *row, partial(units.number, unit=unit, decimals=3))
+        for number, row in enumerate(zip(postures, colours, contacts, strict=True), start=1)
     ]
     table = (
         f'<table onclick="{_CLICK}" style="border-collapse:collapse;width:100%">'
@@ -90,7 +109,9 @@ def posture_table(
     return f'<div style="{STYLE}" data-postures>{table}</div>'
 
 
-def _row(number: int, posture: Posture, colour: Rgb, write: Callable[[float], str]) -> str:
+def _row(
+    number: int, posture: Posture, colour: Rgb, contact: str, write: Callable[[float], str]
+) -> str:
     here = posture.is_here
     margin = "none" if math.isinf(posture.margin) else write(posture.margin)
     condition = f"{posture.condition:.1f}" if posture.condition < SINGULAR else "singular"
@@ -98,17 +119,22 @@ def _row(number: int, posture: Posture, colour: Rgb, write: Callable[[float], st
         f'<span style="display:inline-block;min-width:1.5em;border-radius:0.7em;color:#fff;'
         f'text-align:center;background:rgb{colour}">{number}</span>'
     )
+    name = html.escape(posture.name)
+    if contact:
+        name = f'<s style="opacity:0.55">{name}</s>{_CONTACT.format(html.escape(contact))}'
     cells = [
         f'<td style="{_CELL}">{swatch}</td>',
-        f'<td style="{_CELL};text-align:left">{html.escape(posture.name)}</td>',
+        f'<td style="{_CELL};text-align:left">{name}</td>',
         f'<td style="{_CELL}">{"here" if here else write(posture.distance)}</td>',
         f'<td style="{_CELL}">{margin}</td>',
         f'<td style="{_CELL}">{condition}</td>',
     ]
     weight = "600" if here else "400"
+    shade = ";color:#868e96" if contact else ""
     return (
         f'<tr data-posture="{number}" title="take this posture" '
-        f'style="cursor:pointer;font-weight:{weight};border-top:1px solid rgba(128,128,128,0.25)">'
+        f'style="cursor:pointer;font-weight:{weight}{shade};'
+        f'border-top:1px solid rgba(128,128,128,0.25)">'
         f"{''.join(cells)}</tr>"
     )
 

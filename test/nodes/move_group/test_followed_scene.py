@@ -1,5 +1,7 @@
 """Inverse kinematics and plans of the other nodes, which follow the scene of move_group."""
 
+from copy import deepcopy
+
 import numpy as np
 import pytest
 from geometry_msgs.msg import PoseStamped
@@ -13,6 +15,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
 from robomech_ros.nodes.kinematics.node import KinematicsNode
+from robomech_ros.nodes.move_group.world import World
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.outcomes import Code
 
@@ -142,3 +145,18 @@ def test_a_path_of_the_tool_ends_before_the_wall(client, scene):
     assert 0.05 < answer.fraction < 0.95 and "would touch" in answer.stop_reason
     found = scene.check_motion(rows(answer.trajectory))
     assert found.certified and scene.clearance(rows(answer.trajectory)[-1]).distance < 0.01
+
+
+def test_shapes_that_stay_are_not_read_again():
+    before, after = (World("base_link", UR5E.links, str) for _ in range(2))
+    before.apply_object(WALL, {"": np.eye(4)})
+    known, moved = before.objects["wall"], deepcopy(before.objects["wall"].message)
+    assert after.keep(moved, before) and after.objects["wall"] is known
+    moved.pose.position.x = 0.8
+    assert after.keep(moved, before)
+    assert after.objects["wall"].shapes is known.shapes
+    assert after.objects["wall"].pose[0, 3] == 0.8 and known.pose[0, 3] == 0.65
+    moved.primitives[0].dimensions[1] = 0.03
+    assert not after.keep(moved, before)
+    moved.id = "other"
+    assert not after.keep(moved, before)

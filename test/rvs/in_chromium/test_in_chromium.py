@@ -1,11 +1,10 @@
 """The page in a real browser: headless, drawn in software, without a network."""
 
-import time
-
 import numpy as np
 import pytest
 from browsing import IN_CHROMIUM, browser
-from raw_client import PATIENCE, wait_until
+from gizmo_mouse import GizmoMouse
+from raw_client import wait_until
 
 from robomech_ros.robots import load_description
 from robomech_ros.rvs import Choice, Motion, NamedPosture, view, write_motion
@@ -105,61 +104,17 @@ def press(tab, key, code):
         tab.send("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code)
 
 
-def dragged(tab, steps, by):
-    """Take the arrow of the gizmo that is seen longest, and drag it with the mouse."""
-    x, y = handle(tab)
-    tab.mouse("mouseMoved", x, y)
-    tab.frames(3)
-    tab.mouse("mousePressed", x, y, buttons=1)
-    for k in range(1, steps + 1):
-        tab.mouse("mouseMoved", x + by[0] * k / steps, y + by[1] * k / steps, buttons=1)
-        tab.frames(2)
-    return x + by[0], y + by[1]
-
-
-def release(tab, page, x, y):
-    """Let the gizmo go.
-
-    A page that is drawing may lose the capture of the mouse, and with it the release, however
-    often that comes: the gizmo is taken again then, as people do, and let go there.
-    """
-    deadline = time.monotonic() + PATIENCE
-    tab.frames(3)
-    tab.mouse("mouseReleased", x, y)
-    tab.frames(10)
-    while page._panel._held:
-        assert time.monotonic() < deadline, "the gizmo is still held"
-        x, y = dragged(tab, 0, (0, 0))
-        tab.frames(3)
-        tab.mouse("mouseReleased", x, y)
-        tab.frames(10)
-
-
-def handle(tab):
-    """Return the pixel of the middle of one of the gizmo's arrows: part of the way to its end."""
-    script = f"""(() => {{
-        const v = __viserMutable, o = {NODE}, c = v.camera;
-        o.updateWorldMatrix(true, true); c.updateMatrixWorld();
-        const r = v.canvas.getBoundingClientRect(), all = [];
-        const at = p => {{ p.project(c);
-            return [r.left + (p.x + 1) / 2 * r.width, r.top + (1 - p.y) / 2 * r.height]; }};
-        const origin = at(o.position.clone().setFromMatrixPosition(o.matrixWorld));
-        for (const axis of [[1, 0, 0], [0, 1, 0], [0, 0, 1]]) {{
-            const p = o.position.clone().set(...axis).multiplyScalar(0.17);
-            const q = at(p.applyMatrix4(o.matrixWorld));
-            all.push([Math.hypot(q[0] - origin[0], q[1] - origin[1]), q]);
-        }}
-        all.sort((a, b) => b[0] - a[0]);
-        return all[0][1]; }})()"""
-    return tab.value(script)
+def mouse(page, tab):
+    """The mouse of the browser, at the gizmo of the tip."""
+    return GizmoMouse(tab, GIZMO, 0.17, lambda: page._panel._held)
 
 
 def test_the_arm_follows_the_gizmo(at_home):
     page, tab = at_home
     tip = page._arm.tip
-    x, y = dragged(tab, 6, (-25, 20))
+    x, y = mouse(page, tab).drag(6, (-25, 20))
     wait_until(lambda: np.abs(page._arm.tip - tip).max() > 0.005)
-    release(tab, page, x, y)
+    mouse(page, tab).release(x, y)
     wait_until(lambda: page._arm.study.postures)
     # The last step of the way may still be under way: both are asked until they agree.
     wait_until(lambda: np.allclose(gizmo_place(tab), page._arm.tip[:3, 3], atol=1e-4))
@@ -178,14 +133,14 @@ def gizmo_place(tab):
 def test_out_of_reach_the_reason_is_shown_and_the_gizmo_snaps_back(at_home):
     page, tab = at_home
     tip = page._arm.tip
-    x, y = dragged(tab, 12, (300, -330))
+    x, y = mouse(page, tab).drag(12, (300, -330))
     wait_until(lambda: page._arm.study.nearest is not None)
     tab.wait_for("document.querySelector('[data-sentence]').innerText.startsWith('No posture: ')")
     tab.wait_for("document.body.innerText.includes('The nearest posture, in grey, misses it by')")
     assert not np.allclose(gizmo_place(tab), tip[:3, 3], atol=1e-2)
     ghosts = page._stage.ghosts._shown
     assert len(ghosts) == 1 and len(set(ghosts[0].colour)) == 1
-    release(tab, page, x, y)
+    mouse(page, tab).release(x, y)
     wait_until(lambda: page._arm.study.postures)
     wait_until(lambda: np.allclose(gizmo_place(tab), page._arm.tip[:3, 3], atol=1e-4))
 

@@ -1,0 +1,240 @@
+"""The world around an arm: objects that can be dragged, and the nearest pair of bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robomech_ros.rvs.model.live_robot import LiveRobot
+from robomech_ros.rvs.page.clients import AllControls, Controls
+from robomech_ros.rvs.page.folder import Folder
+from robomech_ros.rvs.page.layer import Layer, LayerContext
+from robomech_ros.rvs.page.panel import GIZMO
+from robomech_ros.rvs.page.robot_nodes import placed
+from robomech_ros.rvs.page.switches import Switches
+from robomech_ros.rvs.page.tables import fact_table
+from robomech_ros.spatial import pose_from_position_quaternion
+from robomech_ros.spatial.arrays import as_choice
+from robomech_ros.typing import Array
+
+if TYPE_CHECKING:
+    from robomech_ros.collision import PlanningScene
+    from robomech_ros.rvs.model.world import WorldView
+    from robomech_ros.rvs.page.object_nodes import DistanceNodes, ObjectNodes
+
+# Label of the choice of what is dragged, and the choice of nothing.
+DRAG, NOTHING = "drag", "nothing"
+LABELS = {"objects": "objects", "nearest": "nearest pair"}
+# Size of the gizmo of an object in reaches of the robot.
+SIZE = 0.7 * GIZMO
+
+
+class WorldLayer(Layer):
+    """The objects of a planning scene; each posture of the arm is compared with them.
+
+    Parameters
+    ----------
+    place : LayerContext
+    scene : PlanningScene, optional
+        The objects at first.
+    robot : LiveRobot, optional
+        The robot that runs, which tells of its scene and moves what is dragged.
+    """
+
+    label, order, expanded = "World", 3.8, True
+
+    def __init__(
+        self,
+        place: LayerContext,
+        scene: PlanningScene | None = None,
+        robot: LiveRobot | None = None,
+    ) -> None:
+        super().__init__(place)
+        self._robot = robot
+        # Made with the first scene, as is all that needs the library of collisions.
+        self._nodes: tuple[ObjectNodes, DistanceNodes] | None = None
+        self._on = dict.fromkeys(LABELS, True)
+        self._switches = Switches(place, LABELS, self._on)
+        # Where a running robot is; what was drawn last, and for which version of the world postures
+        # were listed; the object with the gizmo, and whether it is held.
+        self._q: Array | None = None
+        self._shown: object = None
+        self._listed = -1
+        self._dragged, self._held = NOTHING, False
+        self._client: Any = None
+        self._gizmo: Any = None
+        self._choice: Any = None
+        place.extents["world"] = self._extent
+        place.followers.append(self._follow)
+        if scene is not None:
+            from robomech_ros.rvs.model.world import scene_for
+
+            # Another robot of the same page keeps the objects where they were dragged.
+            objects = place.kept.get("world", scene)
+            self._take(scene_for(place.chain, scene, objects))
+            self.show()
+        if robot is not None:
+            robot.follow_world(self)
+
+    # Of the page, on its thread.
+
+    def show(self) -> None:
+        """Follow the arm, or the running robot, and the objects."""
+        world = self._place.arm.world
+        if world is None:
+            self._write("no planning scene has come yet")
+        else:
+            self._listed = world.version
+            self._draw(world)
+
+    def _draw(self, world: WorldView) -> None:
+        assert self._nodes is not None
+        objects, line = self._nodes
+        q = self._place.arm.q if self._q is None else self._q
+        now = (world, world.version, q.tobytes(), *self._on.values())
+        if now != self._shown:
+            self._shown = now
+            objects.show(world.objects if self._on["objects"] else {}, world.touching(q))
+            line.show(world.nearest(q) if self._on["nearest"] else None)
+            self._write(world.nearest_text(q), world.scene.unchecked_text)
+        self._show_gizmo(world, objects)
+
+    def controls(self, client: Any) -> Controls:
+        """Give the browser that commands the folder, and a gizmo for the object that it chooses."""
+        self._dragged, self._held, self._shown = NOTHING, False, None
+        self._client, size = client, SIZE * self._place.seen.reach
+        self._gizmo = gizmo = client.scene.add_transform_controls(
+            f"{self._place.base}/object", size, depth_test=False, visible=False
+        )
+
+        @gizmo.on_update
+        async def _(event: Any) -> None:
+            if event.phase == "start":
+                self._held = True
+            elif event.phase == "end":
+                self._held = False
+                # Leaves the notice of a refused drag, as a request would not.
+                self._place.run((self, "release"), self.show)
+            elif self._held:
+                wxyz, position = np.roll(gizmo.wxyz, -1), gizmo.position.copy()
+                self.ask("drag", self._drag, position, wxyz)
+
+        return AllControls([gizmo, super().controls(client)])
+
+    def _fill(self, folder: Folder, gui: Any) -> None:
+        self._table = folder.text()
+        hint = "The object with the arrows; a click on an object chooses it, too"
+        self._choice = folder.dropdown(DRAG, self._choices(), NOTHING, self._choose, hint)
+        for name in LABELS:
+            self._switches.add_to(folder, name)
+
+    # What the controls ask for, on the thread of the page.
+
+    def _choose(self, name: Any) -> None:
+        self._dragged = as_choice("object", name, self._choices())
+
+    def _drag(self, position: Array, quaternion: Array) -> None:
+        world = self._place.arm.world
+        if world is None or self._nodes is None or self._dragged not in world.movable:
+            return
+        pose = pose_from_position_quaternion(position, quaternion)
+        pose[:3, 3] -= pose[:3, :3] @ self._nodes[0].middle(world.objects[self._dragged])
+        world.move(self._dragged, pose)
+        if self._robot is not None:
+            self._robot.move_object(self._dragged, pose)
+
+    # Of browsers and the running robot, on any thread.
+
+    def _clicked(self, client: Any, name: str) -> None:
+        def choose() -> None:
+            # Only who commands has a gizmo.
+            if self.is_open and client.client_id == self._client.client_id:
+                self._choose(name)
+                self._choice.value = name
+
+        self.ask("choose", choose)
+
+    def show_scene(self, scene: PlanningScene) -> None:
+        """Show another scene of the same arm, which is the page's from now on."""
+        self.ask("scene", self._take, scene)
+
+    def _follow(self, positions: Mapping[str, float]) -> None:
+        self._place.run((self, "follow"), partial(self._follow_robot, dict(positions)))
+
+    # What happens inside.
+
+    def _take(self, scene: PlanningScene) -> None:
+        arm, place = self._place.arm, self._place
+        if arm.world is None:
+            from robomech_ros.rvs.model.world import WorldView
+            from robomech_ros.rvs.page.object_nodes import DistanceNodes, ObjectNodes
+
+            nodes, base, reach = place.server.scene, place.base, place.seen.reach
+            self._nodes = (
+                ObjectNodes(nodes, base, place.path, reach, self._clicked),
+                DistanceNodes(nodes, base, reach),
+            )
+            arm.world = WorldView(scene)
+        else:
+            held = self._dragged
+            mine = self.is_open and self._held and held in arm.world.movable
+            if mine and held in scene.objects:
+                # What comes now was sent before the object was here.
+                scene.move(held, arm.world.objects[held].pose)
+            arm.world.replace(scene)
+        if self._robot is None:
+            place.kept["world"] = scene
+
+    def _follow_robot(self, positions: Mapping[str, float]) -> None:
+        arm, world = self._place.arm, self._place.arm.world
+        self._q = np.array([positions[name] for name in arm.state_joints])
+        if world is None:
+            return
+        before = world.version
+        world.place_others(positions)
+        if world.version == before != self._listed:
+            # Joints beside the arm have come to rest: what is said of its postures is old.
+            self.ask("others", lambda: None)
+        with self._place.server.atomic():
+            self._draw(world)
+
+    def _choices(self) -> tuple[str, ...]:
+        world = self._place.arm.world
+        return (NOTHING, *(world.movable if world is not None else ()))
+
+    def _show_gizmo(self, world: WorldView, objects: ObjectNodes) -> None:
+        if not self.is_open:
+            return
+        choices = self._choices()
+        if self._choice.options != choices:
+            self._choice.options = choices
+        if self._dragged not in choices:
+            self._dragged, self._held = NOTHING, False
+        seen = self._dragged != NOTHING and self._on["objects"]
+        if self._gizmo.visible != seen:
+            self._gizmo.visible = seen
+        if seen and not self._held:
+            one = world.objects[self._dragged]
+            pose = one.pose.copy()
+            pose[:3, 3] += pose[:3, :3] @ objects.middle(one)
+            where = placed(pose)
+            self._gizmo.position, self._gizmo.wxyz = where["position"], where["wxyz"]
+
+    def _write(self, nearest: str, unchecked: str = "") -> None:
+        if self.is_open:
+            facts = [("nearest", nearest), *([("note", unchecked)] if unchecked else [])]
+            text = fact_table("world", facts)
+            if self._table.content != text:
+                self._table.content = text
+
+    def _extent(self) -> Array:
+        """Return points (k, 3) in the root around the objects (m)."""
+        arm, points = self._place.arm, [np.empty((0, 3))]
+        poses = self._place.seen.tree.link_poses(arm.positions)
+        for link, corners in self._nodes[0].corners().items() if self._nodes else ():
+            T = poses[link or arm.base]
+            points.append(corners @ T[:3, :3].T + T[:3, 3])
+        return np.vstack(points)

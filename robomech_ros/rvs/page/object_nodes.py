@@ -1,0 +1,178 @@
+"""The objects around a robot in the scene, and the line between the two nearest bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from robomech_ros.collision import Clearance, SceneObject
+from robomech_ros.rvs.model.object_solids import ObjectPart, middle_of, parts_of
+from robomech_ros.rvs.model.solids import sphere
+from robomech_ros.rvs.page.mesh_nodes import add_batch, add_mesh
+from robomech_ros.rvs.page.robot_nodes import MARKED, placed
+from robomech_ros.typing import Array
+
+# Objects of the world, and those that links carry; planes are seen through.
+STANDING, CARRIED = (166, 148, 116), (128, 116, 176)
+PLANE_ALPHA = 0.35
+# Side of the square that stands for a plane, in reaches of the robot.
+SIDE = 3.0
+# The line between the nearest bodies; its width and its ends in reaches of the robot.
+APART = (20, 140, 80)
+WIDTH, END = 0.008, 0.012
+
+
+class _DrawnObject(NamedTuple):
+    """An object as it was drawn: its shapes, frame, bodies, and where and in which colour."""
+
+    one: SceneObject
+    parts: tuple[ObjectPart, ...]
+    frame: Any
+    bodies: list[Any]
+    marked: bool
+
+
+class ObjectNodes:
+    """The objects of a planning scene.
+
+    Parameters
+    ----------
+    scene : viser.SceneApi
+    base : str
+        Node at the base of the arm.
+    path_of : callable
+        Gives the name of the node of a link.
+    reach : float
+        Of the robot (m).
+    clicked : callable
+        Called with the browser (viser.ClientHandle) and the name of an object that it clicks on.
+    """
+
+    def __init__(
+        self,
+        scene: Any,
+        base: str,
+        path_of: Callable[[str], str],
+        reach: float,
+        clicked: Callable[[Any, str], None],
+    ) -> None:
+        self._scene, self._base, self._path_of = scene, base, path_of
+        self._side, self._clicked = SIDE * reach, clicked
+        self._drawn: dict[str, _DrawnObject] = {}
+        # Nodes get names of their own: those of objects may contain anything.
+        self._count = 0
+
+    def show(self, objects: Mapping[str, SceneObject], marked: Collection[str]) -> None:
+        """Draw these objects and no others, red those that are marked."""
+        for name in [name for name in self._drawn if name not in objects]:
+            self._drawn.pop(name).frame.remove()
+        for name, one in objects.items():
+            self._drawn[name] = self._updated(one, name in marked)
+
+    def middle(self, one: SceneObject) -> Array:
+        """Return the middle of an object in its own frame, shape (3,) (m)."""
+        drawn = self._drawn.get(one.name)
+        return middle_of(parts_of(one, self._side) if drawn is None else drawn.parts)
+
+    def corners(self) -> Mapping[str, Array]:
+        """Return the vertices of all that has an end, shape (k, 3), in the link or "", the base."""
+        found: dict[str, list[Array]] = {}
+        for drawn in self._drawn.values():
+            for part in drawn.parts:
+                if not part.endless:
+                    corners = part.corners(drawn.one.pose)
+                    found.setdefault(drawn.one.link, []).append(corners)
+        return {link: np.vstack(points) for link, points in found.items()}
+
+    def _updated(self, one: SceneObject, marked: bool) -> _DrawnObject:
+        before = self._drawn.get(one.name)
+        if before is not None and before.one is one and before.marked == marked:
+            return before
+        known = before is not None and before.one.parts is one.parts
+        parts = before.parts if before is not None and known else parts_of(one, self._side)
+        if before is None or not _look_alike(before, one, parts):
+            if before is not None:
+                before.frame.remove()
+            return self._added(one, parts, marked)
+        if not np.array_equal(before.one.pose, one.pose):
+            where = placed(one.pose)
+            before.frame.position, before.frame.wxyz = where["position"], where["wxyz"]
+        if before.marked != marked:
+            for node in before.bodies:
+                node.color = _colour(one, marked)
+        return before._replace(one=one, parts=parts, marked=marked)
+
+    def _added(self, one: SceneObject, parts: tuple[ObjectPart, ...], marked: bool) -> _DrawnObject:
+        self._count += 1
+        above = self._path_of(one.link) if one.link else self._base
+        path = f"{above}/object_{self._count}"
+        frame = self._scene.add_frame(path, show_axes=False, **placed(one.pose))
+        bodies = []
+        for number, part in enumerate(parts):
+            look: dict[str, Any] = {"flat_shading": True, "side": "double", **placed(part.pose)}
+            alpha = PLANE_ALPHA if part.endless else 1.0
+            colour, name = _colour(one, marked), f"{path}/part_{number}"
+            bodies.append(add_mesh(self._scene, name, part.solid, colour, alpha, **look))
+            # A plane is under the mouse nearly everywhere.
+            if not one.link and not part.endless:
+                self._listen(bodies[-1], one.name)
+        return _DrawnObject(one, parts, frame, bodies, marked)
+
+    def _listen(self, node: Any, name: str) -> None:
+        @node.on_click
+        async def _(event: Any) -> None:
+            self._clicked(event.client, name)
+
+
+def _colour(one: SceneObject, marked: bool) -> tuple[int, int, int]:
+    if marked:
+        return MARKED
+    return CARRIED if one.link else STANDING
+
+
+def _look_alike(before: _DrawnObject, one: SceneObject, parts: tuple[ObjectPart, ...]) -> bool:
+    if before.one.link != one.link or len(before.parts) != len(parts):
+        return False
+    return all(mine.is_same(its) for mine, its in zip(before.parts, parts, strict=True))
+
+
+class DistanceNodes:
+    """A line between the two nearest bodies, with their distance.
+
+    Parameters
+    ----------
+    scene : viser.SceneApi
+    base : str
+        Node at the base of the arm.
+    reach : float
+        Of the robot (m).
+    """
+
+    def __init__(self, scene: Any, base: str, reach: float) -> None:
+        points = np.zeros((1, 2, 3), dtype=np.float32)
+        name, hidden = f"{base}/nearest", {"visible": False}
+        self._line = scene.add_line_segments(
+            f"{name}/line", points, APART, thickness=WIDTH * reach, **hidden
+        )
+        self._ends = add_batch(scene, f"{name}/ends", sphere(END * reach), 2, **hidden)
+        self._label = scene.add_label(
+            f"{name}/label", "", anchor="bottom-left", depth_test=False, **hidden
+        )
+
+    def show(self, found: Clearance | None) -> None:
+        """Draw the line of a clearance, red in contact, or none."""
+        for node in (self._line, self._ends, self._label):
+            if node.visible != (found is not None):
+                node.visible = found is not None
+        if found is None:
+            return
+        touches = found.distance <= 0.0
+        colour = np.array(MARKED if touches else APART, dtype=np.uint8)
+        self._line.points = found.points[None].astype(np.float32)
+        self._line.colors = np.tile(colour, (1, 2, 1))
+        self._ends.batched_positions = found.points.astype(np.float32)
+        self._ends.batched_colors = np.tile(colour, (2, 1))
+        depth = f"contact, {-found.distance:.3f} m deep" if touches else f"{found.distance:.3f} m"
+        self._label.text, self._label.position = depth, found.points.mean(axis=0)
