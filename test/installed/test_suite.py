@@ -503,6 +503,21 @@ def test_demo_with_a_payload_that_the_drives_do_not_know(suite, tmp_path):
     assert "was at its effort limit for" in heavy.stderr
 
 
+def test_demo_with_obstacles(suite, tmp_path):
+    """Each motion is proved by the states that were published, and the direct one would hit."""
+    options = ["--obstacles", "--robot", "ur5e", "--output", str(tmp_path)]
+    done = suite.run("robomech", "demo", *options, timeout=180)
+    assert done.returncode == 0, done.stderr
+    said = " ".join(done.stdout.split())
+    assert said.count("certified True") == 3
+    assert said.count("none is in contact, nor is any posture between them") == 3
+    assert float(re.search(r"'wall' ([\d.]+) mm into each other", said)[1]) > 1.0
+    assert "around the wall: " in said and "everything worked" in said
+    assert (tmp_path / "ur5e.png").is_file()
+    refused = suite.run("robomech", "demo", *options, "--dynamic")
+    assert refused.returncode == 2 and "no --dynamic beside it" in refused.stderr
+
+
 def test_a_demo_of_no_robot_says_so(suite, tmp_path):
     done = suite.run("robomech", "demo", "--robot", "pumba560", "--output", str(tmp_path))
     assert done.returncode == 2

@@ -19,8 +19,9 @@ from robomech_ros.robots.robot_kinds import ARM, check_name, kind_of
 EXIT_FAILED = 1
 # As the controller's parameter payload_mass, kg.
 HEAVIEST_PAYLOAD = 1000.0
-# For robots that pick and place.
-_OF_DRIVES = ("dynamic", "payload")
+# For arms and, but for the obstacles, parallel robots.
+_OF_ARMS = ("dynamic", "payload", "obstacles")
+_OF_NO_PLATFORM = (*REFUSED["parallel robots"], "obstacles")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,14 +44,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "know (0)",
     )
     parser.add_argument(
+        "--obstacles",
+        action="store_true",
+        help="carry a part around a wall with the planner of move_group, and prove that nothing "
+        "touched anything",
+    )
+    parser.add_argument(
         "--output",
         type=Path,
         default=Path("demo_output"),
         help="folder for the plot and the page (demo_output)",
     )
     shown = [f"{one.called}s" for one in KIND_NODES.values() if one.demonstration]
-    others = {kind: (*REFUSED[kind], *_OF_DRIVES) for kind in shown}
-    note_kinds(parser, {"parallel robots": REFUSED["parallel robots"], **others})
+    others = {kind: (*REFUSED[kind], *_OF_ARMS) for kind in shown}
+    note_kinds(parser, {"parallel robots": _OF_NO_PLATFORM, **others})
 
 
 def _kind(args: argparse.Namespace) -> NodesOfKind | None:
@@ -64,9 +71,9 @@ def _kind(args: argparse.Namespace) -> NodesOfKind | None:
             expected = f"a robot with a demonstration: a {own.called} has none"
             raise BadValueError("--robot", args.robot, expected)
         own.load(args.robot)
-        refuse_of_kind(args, own, _OF_DRIVES)
+        refuse_of_kind(args, own, _OF_ARMS)
     elif kind == "parallel":
-        refuse_options(args, REFUSED["parallel robots"], args.robot, "a parallel robot")
+        refuse_options(args, _OF_NO_PLATFORM, args.robot, "a parallel robot")
     return own
 
 
@@ -88,6 +95,9 @@ def run(args: argparse.Namespace) -> int:
         raise BadValueError("--payload", args.payload, "0 without --dynamic: nothing has mass")
     if not 0.0 <= args.payload <= HEAVIEST_PAYLOAD:
         raise BadValueError("--payload", args.payload, f"0 to {HEAVIEST_PAYLOAD:g} kg")
+    if args.obstacles and args.dynamic:
+        expected = "no --dynamic beside it: friction holds drives back from the path that is proved"
+        raise BadValueError("--obstacles", "with --dynamic", expected)
     _check_folder(args.output)
 
     def demonstration() -> None:
@@ -95,10 +105,19 @@ def run(args: argparse.Namespace) -> int:
             import_module(own.demonstration).demonstrate(args.robot, args.output)
             return
         from robomech_ros.nodes.demonstration.limits import Which
+
+        which = Which(args.robot, args.srdf, args.group)
+        if args.obstacles:
+            from robomech_ros.nodes.move_group.node import require_messages
+
+            require_messages()
+            from robomech_ros.nodes.demonstration.obstacle_session import demonstrate_obstacles
+
+            demonstrate_obstacles(which, args.output)
+            return
         from robomech_ros.nodes.demonstration.session import demonstrate
 
-        payload = args.payload if args.dynamic else None
-        demonstrate(Which(args.robot, args.srdf, args.group), args.output, payload)
+        demonstrate(which, args.output, args.payload if args.dynamic else None)
 
     return run_demonstration("demo", args.robot, kind_of(args.robot), demonstration)
 

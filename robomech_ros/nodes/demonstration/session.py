@@ -1,5 +1,6 @@
 """One run of the demonstration, from the start of the nodes to the plot."""
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -87,16 +88,22 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
     start = max(task.marks[0][0] - _LEAD_SECONDS, 0.0)
     keep = times >= start
     times, q, qd = times[keep], q[keep], qd[keep]
-    plot = _plot(robot, task, (times, q, qd), output)
+    recording = times, q, qd
+    plot = plot_recording(robot, task.marks, recording, output, "pick and place")
     motion = Motion(robot.model, times, q, tuple(task.choices))
     description = load_tree_description(which.robot).description
     page = write_motion_page(output, robot.name, "pick and place", description, motion)
     reporter.finish(f"plot: {plot}", page)
 
 
-def _plot(
-    robot: DemoRobot, task: PickAndPlace, recording: tuple[Array, Array, Array], output: Path
+def plot_recording(
+    robot: DemoRobot,
+    marks: Sequence[tuple[float, str]],
+    recording: tuple[Array, Array, Array],
+    output: Path,
+    title: str,
 ) -> Path:
+    """Plot the recorded joint states, with marks at times (s); return the file."""
     times, q, qd = recording
     start, shown = times[0], list(robot.shown)
     qd = qd[:, shown]
@@ -105,7 +112,7 @@ def _plot(
         [robot.joint_names[k] for k in shown],
         times - start,
         (q[:, shown], qd, np.gradient(qd, times, axis=0)),
-        title=f"{robot.name}: pick and place, as published on joint_states",
+        title=f"{robot.name}: {title}, as published on joint_states",
         prismatic=[robot.units[k] == "m" for k in shown],
-        marks=[(instant - start, label) for instant, label in task.marks],
+        marks=[(instant - start, label) for instant, label in marks],
     )

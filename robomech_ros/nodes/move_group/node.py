@@ -38,17 +38,22 @@ class MissingMessagesError(RobomechError):
         )
 
 
+def require_messages() -> None:
+    """Raise MissingMessagesError if a package of messages is not installed."""
+    for package in _PACKAGES:
+        try:
+            import_module(package)
+        except ImportError:
+            raise MissingMessagesError(package) from None
+
+
 class MoveGroupNode(Node):
     """MoveIt's services, actions and topics, and the planning scene, for one robot."""
 
     SETTINGS = MoveGroupSettings
 
     def __init__(self, **options: Any) -> None:
-        for package in _PACKAGES:
-            try:
-                import_module(package)
-            except ImportError:
-                raise MissingMessagesError(package) from None
+        require_messages()
         super().__init__("move_group", **options)
         self._planning: MotionPlanning | None = None
         self._motions: MotionServices | None = None

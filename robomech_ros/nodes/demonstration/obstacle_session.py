@@ -1,0 +1,69 @@
+"""One run of the demonstration with obstacles, from the start of the nodes to the plot."""
+
+from dataclasses import asdict, replace
+from pathlib import Path
+
+from robomech_ros.collision import PlanningScene
+from robomech_ros.nodes.demonstration.client import running_client
+from robomech_ros.nodes.demonstration.limits import Which, chain_with_limits
+from robomech_ros.nodes.demonstration.obstacle_cell import PADS, arrange_cell, robot_with_bodies
+from robomech_ros.nodes.demonstration.obstacle_task import CLEARANCE, SERVICES, CarryAround
+from robomech_ros.nodes.demonstration.pick_and_place import DemoArm
+from robomech_ros.nodes.demonstration.report import Reporter
+from robomech_ros.nodes.demonstration.session import plot_recording
+from robomech_ros.nodes.process.launch_options import LaunchOptions
+
+# The nodes that are used, of those that bringup starts.
+_NODES = ("joint_trajectory_controller", "trajectory_planner", "move_group")
+
+
+def demonstrate_obstacles(which: Which, output: Path) -> None:
+    """Carry a part around a wall, and prove that nothing touched anything.
+
+    Parameters
+    ----------
+    which : Which
+        The robot, and what of it moves.
+    output : Path
+        Folder for the plot, and for the URDF of a robot without collision geometry.
+
+    Raises
+    ------
+    RobomechError
+        A step or a proof failed, or there is no place for a wall; the text says which and why.
+    """
+    reporter = Reporter()
+    robot, notice = robot_with_bodies(which.robot, output)
+    which = replace(which, robot=robot)
+    chain = chain_with_limits(which, reporter.say)
+    arm = DemoArm(chain)
+    reporter.heading(arm.title)
+    if notice:
+        reporter.say(notice)
+    scene = PlanningScene(chain, srdf=which.srdf or None)
+    for link, why in scene.unchecked.items():
+        reporter.say(f"link '{link}' is not checked: {why}")
+    cell = arrange_cell(scene, chain.home(), CLEARANCE)
+    options = LaunchOptions(
+        **asdict(which), servo=False, move_group=True, ros_args=("-p", f"clearance:={CLEARANCE}")
+    )
+    commands = {name: words for name, words in options.commands().items() if name in _NODES}
+    with running_client(commands, arm.joint_names, arm.units) as (suite, client):
+        client.wait_until_up(SERVICES)
+        reporter.up(suite)
+        reporter.say(
+            f"the part is held {cell.gripper * 1e3:.0f} mm from '{chain.tip}', and stands on pads "
+            f"of {PADS * 1e3:g} mm"
+        )
+        task = CarryAround(client, scene, cell, reporter)
+        task.run()
+        reporter.heading("summary")
+        for leg in task.legs:
+            first, second = leg.nearest.bodies
+            reporter.say(
+                f"{leg.name}: {leg.duration:.2f} s, {leg.states} published states, least distance "
+                f"{leg.nearest.distance * 1e3:.2f} mm ('{first}' and '{second}')"
+            )
+        recording = client.recording()
+    plot = plot_recording(arm, task.marks, recording, output, "pick and place around a wall")
+    reporter.finish(f"plot: {plot}")
