@@ -180,8 +180,9 @@ class CarryAround:
         between = self._scene.check_motion(rows)
         first, second = nearest.bodies
         text = (
-            f"{len(rows)} published joint states were recorded, at most {longest * 1e3:.0f} ms apart; the "
-            f"least distance is {nearest.distance * 1e3:.2f} mm, of '{first}' and '{second}'; "
+            f"{len(rows)} published joint states were recorded, at most {longest * 1e3:.0f} ms "
+            f"apart; the least distance is {nearest.distance * 1e3:.2f} mm, of '{first}' and "
+            f"'{second}'; "
         )
         free = nearest.distance > 0.0 and between.certified
         words = "none is in contact, nor is any posture between them" if free else "a contact"
