@@ -174,9 +174,7 @@ class CarryAround:
         times, q, _ = self._client.recording()
         rows = q[times >= begun]
         longest = float(np.diff(times[times >= begun]).max())
-        found = self._scene.clearance(rows)
-        k = int(np.argmin(found.distance))
-        nearest = Clearance(found.distance[k], found.bodies[k], found.points[k])
+        nearest = min(map(self._scene.clearance, rows), key=lambda one: one.distance)
         between = self._scene.check_motion(rows)
         first, second = nearest.bodies
         text = (
@@ -202,13 +200,13 @@ class CarryAround:
         )
         answer = self._client.call("trajectory_planner/plan_joint", request)
         points = _waypoints(answer.trajectory)
-        found = self._scene.clearance(points.positions)
-        k = int(np.argmin(found.distance))
-        first, second = found.bodies[k]
+        found = [self._scene.clearance(row) for row in points.positions]
+        k = min(range(len(found)), key=lambda i: found[i].distance)
+        first, second = found[k].bodies
         self._reporter.check(
-            found.distance[k] < 0.0,
+            found[k].distance < 0.0,
             f"with ignore_collisions the motion takes {points.times[-1]:.2f} s, and would drive "
-            f"'{first}' and '{second}' {-found.distance[k] * 1e3:.1f} mm into each other after "
+            f"'{first}' and '{second}' {-found[k].distance * 1e3:.1f} mm into each other after "
             f"{points.times[k]:.2f} s: it is not executed",
         )
 
