@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from robomech_ros._kernels.collision.shapes import TREE_WIDTH
-from robomech_ros.collision.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
+from robomech_ros.collision.scene_objects import MOST_SPHERES, covered
+from robomech_ros.collision.shapes import Body, Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from robomech_ros.errors import RobomechError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
@@ -21,6 +23,11 @@ from robomech_ros.robots.urdf.mesh_files import mesh_file
 from robomech_ros.robots.urdf.visuals import Visual, read_collisions
 from robomech_ros.spatial import inverse_pose
 from robomech_ros.typing import Array
+
+# The fewest spheres that cover a part of a link.
+_FEWEST_SPHERES = 3
+_made: WeakKeyDictionary[RobotDescription, tuple[list[LinkBody], dict[str, str]]]
+_made = WeakKeyDictionary()
 
 
 class LinkPlace(NamedTuple):
@@ -110,20 +117,56 @@ class LinkShape(NamedTuple):
     pose: Array
 
 
+class LinkBody(NamedTuple):
+    """A body of a link, its pose (4, 4) in the link (m), and what covers it; see `cover`."""
+
+    link: str
+    body: Body
+    pose: Array
+    spheres: Array
+    around: Array
+
+
+def link_bodies(
+    description: RobotDescription | None,
+) -> tuple[Sequence[LinkBody], Mapping[str, str]]:
+    """Make the bodies of all links, and say why those of some cannot be made, by link.
+
+    All chains of a robot share them.
+    """
+    if description is None:
+        return (), {}
+    if description not in _made:
+        found: list[LinkBody] = []
+        faults: dict[str, str] = {}
+        # A mesh takes far more memory than the convex bodies that are made of it.
+        for link, shape, pose in _link_shapes(description, faults):
+            bodies = shape.parts() if isinstance(shape, Mesh) else [shape.body()]
+            most = max(MOST_SPHERES // len(bodies), _FEWEST_SPHERES)
+            found += [LinkBody(link, body, pose, *covered(body, most)) for body in bodies]
+        _made[description] = found, faults
+    return _made[description]
+
+
 def link_shapes(description: RobotDescription | None) -> tuple[list[LinkShape], dict[str, str]]:
     """Read the shapes of all links, and why those of some cannot be used, by link."""
-    found: list[LinkShape] = []
     faults: dict[str, str] = {}
+    return list(_link_shapes(description, faults)), faults
+
+
+def _link_shapes(
+    description: RobotDescription | None, faults: dict[str, str]
+) -> Iterator[LinkShape]:
+    """Read one shape after the other, and note the faults of links."""
     if description is None or not description.document:
-        return found, faults
+        return
     path = Path(description.where)
     folder = path.resolve().parent if path.suffix and path.is_file() else None
     for given in read_collisions(description.document, description.where):
         try:
-            found.append(LinkShape(given.link, _shape(given, folder), given.pose))
+            yield LinkShape(given.link, _shape(given, folder), given.pose)
         except RobomechError as error:
             faults[given.link] = str(error)
-    return found, faults
 
 
 def _shape(given: Visual, folder: Path | None) -> Shape:

@@ -15,9 +15,8 @@ import numpy.typing as npt
 from robomech_ros.collision.distances import Clearance, Distances, PlacedBody
 from robomech_ros.collision.motion_proof import MotionCheck, check_motion
 from robomech_ros.collision.planning import PathPlan, PlanRequest, plan_path
-from robomech_ros.collision.robot_bodies import adjacent_links, link_shapes, place_links
+from robomech_ros.collision.robot_bodies import adjacent_links, link_bodies, place_links
 from robomech_ros.collision.scene_objects import (
-    MOST_SPHERES,
     SceneObject,
     Shapes,
     around_object,
@@ -25,7 +24,6 @@ from robomech_ros.collision.scene_objects import (
     covered,
     read_parts,
 )
-from robomech_ros.collision.shapes import Mesh
 from robomech_ros.errors import BadValueError, UnknownLinkError
 from robomech_ros.kinematics.joint_values import as_finite_values
 from robomech_ros.robots import load_robot, load_srdf
@@ -37,8 +35,6 @@ from robomech_ros.spatial import as_pose, inverse_pose
 from robomech_ros.spatial.arrays import finite_within, listed
 from robomech_ros.typing import Array, BoolArray
 
-# The fewest spheres that cover a part of a link.
-_FEWEST_SPHERES = 3
 # Random postures at all of which a pair must touch to count as built that way.
 _POSTURES = 64
 LARGEST_PADDING = 1.0
@@ -91,12 +87,7 @@ class PlanningScene:
         self.padding = finite_within("padding", padding, expected, 0.0, LARGEST_PADDING)
         self._others: dict[str, float] = {}
         self._objects: dict[str, SceneObject] = {}
-        shapes, self.unchecked = link_shapes(self.chain.description)
-        self._links = []
-        for link, shape, pose in shapes:
-            bodies = shape.parts() if isinstance(shape, Mesh) else [shape.body()]
-            count = max(MOST_SPHERES // len(bodies), _FEWEST_SPHERES)
-            self._links += [(link, body, pose, *covered(body, count)) for body in bodies]
+        self._links, self.unchecked = link_bodies(self.chain.description)
         self._allowed: dict[frozenset[str], str] = {}
         self._places = place_links(self.chain, self._others)
         self._ignore(_semantic(srdf, self.chain.description))

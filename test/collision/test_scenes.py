@@ -11,6 +11,7 @@ from arms import (
     random_postures,
     six_joints,
     torus_mesh,
+    with_meshes,
     without_self_contact,
     write_stl,
 )
@@ -27,7 +28,7 @@ from robomech_ros.collision import (
     Sphere,
 )
 from robomech_ros.errors import RobomechError, UnknownLinkError
-from robomech_ros.robots import load_robot
+from robomech_ros.robots import load_description, load_robot
 
 
 def at(x, y, z):
@@ -65,6 +66,16 @@ def test_each_pair_that_is_ignored_has_its_reason(tmp_path):
             checked = plain.copy()
             checked.forbid(*pair)
             assert not checked.is_free(postures).any()
+
+
+def test_chains_of_a_robot_share_its_bodies_and_drop_its_meshes(tmp_path):
+    description = load_description(with_meshes(tmp_path))
+    path = [one.child for one in description.joints]
+    first, second = (PlanningScene(description, tip=tip) for tip in (path[0], path[-1]))
+    placed = [scene.distances.placed for scene in (first, second)]
+    assert all(a.body is b.body for a, b in zip(*placed, strict=True))
+    # A mesh with its tree of boxes takes far more memory than the hulls that stand for it.
+    assert all(one.body.surface is None and one.body.triangles is None for one in placed[0])
 
 
 def test_pairs_are_allowed_and_looked_at_again():

@@ -11,7 +11,7 @@ from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.move_group.world import SceneObject, World
 from robomech_ros.nodes.moveit.whole_robot import Positions
-from robomech_ros.robots import SemanticDescription, SerialChain
+from robomech_ros.robots import SerialChain
 
 
 class Scenes:
@@ -102,25 +102,22 @@ class Scenes:
         return follower
 
     def _follower(self, chain: SerialChain) -> "_Follower | None":
-        """Return the follower of a chain; None if there is none with the present SRDF."""
+        """Return the follower of a chain; None if there is none with the pairs of the SRDF."""
         follower = self._followers.get((chain.base, chain.tip))
-        if follower is not None and follower.semantic is not self._model.semantic:
+        if follower is not None and follower.disabled != self._model.semantic.disabled_collisions:
             return None
         return follower
 
     def _made(self, chain: SerialChain) -> "_Follower":
-        semantic = self._model.semantic
-        scene = PlanningScene(chain, srdf=semantic, padding=self._padding)
-        return _Follower(scene, semantic, self.world.copy(empty=True), self._model)
+        scene = PlanningScene(chain, srdf=self._model.semantic, padding=self._padding)
+        return _Follower(scene, self.world.copy(empty=True), self._model)
 
 
 class _Follower:
     """The scene of one chain, brought up to date when it is asked for."""
 
-    def __init__(
-        self, scene: PlanningScene, semantic: SemanticDescription, empty: World, model: RobotModel
-    ) -> None:
-        self.semantic, self._model = semantic, model
+    def __init__(self, scene: PlanningScene, empty: World, model: RobotModel) -> None:
+        self.disabled, self._model = model.semantic.disabled_collisions, model
         self._bare, self._scene = scene, scene.copy()
         self._empty = self._world = empty
         self._others: dict[str, float] = {}
