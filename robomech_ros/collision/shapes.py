@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial import ConvexHull, QhullError
 
 from robomech_ros._kernels.collision.shapes import BALL, BOX, CAPSULE, CYLINDER, HALF_SPACE, SPHERES
 from robomech_ros.collision.convex_parts import convex_parts, is_closed
@@ -23,8 +24,14 @@ from robomech_ros.typing import Array, IntArray
 
 # Lengths of shapes (m); others are hardly meant.
 SMALLEST, LARGEST = 1e-6, 1e4
+# Triangles that a mesh may have, and bytes of its file: more make scenes slow and large.
+MOST_TRIANGLES, _LARGEST_FILE = 200_000, 64 * 1024 * 1024
 # Convex parts of a link whose mesh is not convex, and half the length (m) of one that is small.
 _MOST_PARTS, _SMALL = 8, 0.05
+# Bytes of a binary STL: before the triangles, with their number at the end, and of each.
+_STL_HEADER, _STL_TRIANGLE = 84, 50
+# By what part of its size a hull may be larger that coal cannot take as it is.
+_UNEVEN = 1e-6
 # Sides of the prism around a cylinder.
 _SIDES = 16
 
@@ -220,7 +227,7 @@ class Mesh(Shape):
     Raises
     ------
     MeshError
-        The file cannot be read, or has no triangles.
+        The file cannot be read, or has no triangles, or more than `MOST_TRIANGLES`.
     """
 
     def __init__(
@@ -272,16 +279,14 @@ class Mesh(Shape):
 
     def body(self) -> Body:
         """Return the hull, and the surface where that is not convex."""
+        vertices, faces = self.vertices, self.faces
         try:
-            self._mesh.buildConvexHull(True, "Qt")
-            hull = self._mesh.convex
-        except Exception as error:
+            around = ConvexHull(vertices)
+        except (QhullError, ValueError) as error:
             expected = "a mesh with a volume; a thin box stands for a plate"
             raise BadValueError(self.name, "flat", expected) from error
-        corners = hull.points()
-        vertices, faces = self.vertices, self.faces
-        found = Body(hull, corners, 0.0, *_box_around(corners), exact=False)
-        if _is_convex(vertices, faces, corners):
+        found = _hull(vertices[around.vertices])
+        if _is_convex(vertices, faces, around.volume):
             return found
         return found._replace(surface=self._mesh, triangles=vertices[faces])
 
@@ -303,6 +308,7 @@ def _ring(radius: float, height: float) -> Array:
 def _read(path: Path, scale: Array) -> Any:
     if not path.is_file():
         raise MeshError(str(path), "is not there")
+    _check_file(path)
     try:
         mesh = coal().MeshLoader().load(str(path), scale)
     except Exception as error:
@@ -311,7 +317,32 @@ def _read(path: Path, scale: Array) -> Any:
         raise MeshError(str(path), f"cannot be read ({text[:200]})") from None
     if not mesh.num_tris or not np.isfinite(mesh.vertices()).all():
         raise MeshError(str(path), "has no triangles, or vertices that are not finite")
+    check_triangles(str(path), mesh.num_tris)
     return mesh
+
+
+def check_triangles(name: str, count: int) -> None:
+    """Refuse a mesh with too many triangles."""
+    if count > MOST_TRIANGLES:
+        raise MeshError(
+            name,
+            f"has {count:,} triangles, at most {MOST_TRIANGLES:,} are accepted: simplify it, for "
+            "example with MeshLab (Quadric Edge Collapse Decimation), or use simple shapes",
+        )
+
+
+def _check_file(path: Path) -> None:
+    """Refuse a file that would take much memory only to be refused."""
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        count = int.from_bytes(file.read(_STL_HEADER)[-4:], "little")
+    if size == _STL_HEADER + _STL_TRIANGLE * count:
+        check_triangles(str(path), count)
+    if size > _LARGEST_FILE:
+        text = (
+            f"has {size / 1e6:.0f} MB, at most {_LARGEST_FILE / 1e6:.0f} MB are read: simplify it"
+        )
+        raise MeshError(str(path), text)
 
 
 def _built(vertices: npt.ArrayLike, faces: npt.ArrayLike | None, scale: Array) -> Any:
@@ -325,6 +356,7 @@ def _built(vertices: npt.ArrayLike, faces: npt.ArrayLike | None, scale: Array) -
         raise BadValueError("faces", triangles.shape, "an array (m, 3) of indices of vertices")
     if triangles.dtype.kind not in "iu" or triangles.min() < 0 or triangles.max() >= len(points):
         raise BadValueError("faces", "indices", f"integers from 0 to {len(points) - 1}")
+    check_triangles("given as arrays", len(triangles))
     library = coal()
     listed, indices = library.StdVec_Vec3s(), library.StdVec_Triangle()
     for point in points:
@@ -355,18 +387,28 @@ def _box_around(corners: Array) -> tuple[int, tuple[float, float, float], Array]
 
 
 def _hull(corners: Array) -> Body:
-    points = coal().StdVec_Vec3s()
-    for corner in corners:
-        points.append(corner)
-    hull = coal().Convex.convexHull(points, True, "Qt")
+    try:
+        hull = _convex(corners)
+    except RuntimeError:
+        # A corner has more than 255 neighbours, as on a large round face: with all corners a
+        # little farther out, each by its own part of that, the face is no plane any more.
+        middle = corners.mean(axis=0)
+        farther = 1.0 + _UNEVEN * np.random.default_rng(0).random((len(corners), 1))
+        corners = middle + farther * (corners - middle)
+        hull = _convex(corners)
     return Body(hull, corners, 0.0, *_box_around(corners), exact=False)
 
 
-def _is_convex(vertices: Array, faces: IntArray, corners: Array) -> bool:
-    """Whether a mesh is the surface of its convex hull."""
-    from scipy.spatial import ConvexHull
+def _convex(corners: Array) -> Any:
+    points = coal().StdVec_Vec3s()
+    for corner in corners:
+        points.append(corner)
+    return coal().Convex.convexHull(points, True, "Qt")
 
+
+def _is_convex(vertices: Array, faces: IntArray, whole: float) -> bool:
+    """Whether a mesh is the surface of its convex hull, whose volume is known (m^3)."""
     a, b, c = (vertices[faces[:, k]] for k in range(3))
-    middle = corners.mean(axis=0)
+    middle = vertices.mean(axis=0)
     volume = float(np.einsum("ij,ij->i", a - middle, np.cross(b - middle, c - middle)).sum()) / 6.0
-    return abs(volume) > (1.0 - 1e-6) * float(ConvexHull(corners).volume)
+    return abs(volume) > (1.0 - 1e-6) * whole

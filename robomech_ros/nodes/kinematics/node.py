@@ -138,7 +138,8 @@ class KinematicsNode(Node):
         start = perf_counter()
         result = solve(T if frame is None else frame @ T, seed=seed)
         seconds = perf_counter() - start
-        return encode_result(result, way.joint_names, self._points, seconds, response)
+        encode_result(result, way.joint_names, self._points, seconds, response)
+        return self._scene.add_note(scene, response)
 
     @guarded
     async def _solve_ik_batch(self, request: Any, response: Any) -> Any:

@@ -64,6 +64,11 @@ class Execution:
         self._stops = 0
         node.create_subscription(String, "trajectory_execution_event", self._take_event, 10)
 
+    @property
+    def unchecked(self) -> str:
+        """Say what of the robot is not checked; "" if all of it is."""
+        return self._scenes.unchecked
+
     async def run(self, trajectory: Any, cancelled: Callable[[], bool]) -> tuple[int, str]:
         """Execute a JointTrajectory to its end.
 

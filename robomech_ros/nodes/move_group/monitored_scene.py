@@ -97,6 +97,13 @@ class MonitoredScene:
         """Return the present positions of the joints that are known (rad or m)."""
         return self._monitor.known_positions(self._model.joint_names)
 
+    def add_note(self, scene: "PlanningScene | None", response: Any) -> Any:
+        """Add what a scene does not check of the robot to the text of an answer; return that."""
+        if scene is not None and self._scenes is not None:
+            texts = response.error_msg, self._scenes.unchecked
+            response.error_msg = "; ".join(filter(None, texts))
+        return response
+
     def _take(self, message: Any) -> None:
         if message.is_diff:
             # It says where the robot is, which joint states do, too.

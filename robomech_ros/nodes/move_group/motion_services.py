@@ -101,7 +101,8 @@ class MotionServices:
                     count = len(trajectory.multi_dof_joint_trajectory.points)
                     raise BadValueError("multi_dof_joint_trajectory", f"{count} points", "none")
             handle.publish_feedback(ExecuteTrajectory.Feedback(state="MONITOR"))
-            return await self._run(handle, trajectory.joint_trajectory)
+            code, text = await self._run(handle, trajectory.joint_trajectory)
+            return code, "; ".join(filter(None, (text, self._execution.unchecked)))
 
         return await self._concluded(handle, ExecuteTrajectory.Result(), execute())
 

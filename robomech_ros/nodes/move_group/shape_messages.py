@@ -8,6 +8,7 @@ from geometry_msgs.msg import Pose, Quaternion
 from shape_msgs.msg import SolidPrimitive
 
 from robomech_ros.collision import Box, Cone, Cylinder, Mesh, Plane, Sphere
+from robomech_ros.collision.shapes import check_triangles
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, pose_from_matrix
 from robomech_ros.typing import Array
@@ -77,6 +78,8 @@ def _primitive(shape: Any, what: str) -> Any:
 
 
 def _mesh(mesh: Any, what: str) -> Any:
+    # Before its numbers are copied.
+    check_triangles(what, len(mesh.triangles))
     vertices = np.array([(point.x, point.y, point.z) for point in mesh.vertices])
     faces = np.array([one.vertex_indices for one in mesh.triangles], dtype=np.int64)
     return Mesh(vertices.reshape(-1, 3), faces.reshape(-1, 3))

@@ -133,7 +133,7 @@ class TrajectoryPlannerNode(Node):
         encode_plan(found.sampled, self._limits, wanted, self._points, response)
         if not request.answer_only:
             self._plans.publish_soon(response.trajectory, found.poses)
-        return answer(response)
+        return self._scene.add_note(scene, answer(response))
 
     @guarded
     async def _plan_cartesian(self, request: Any, response: Any) -> Any:
@@ -157,7 +157,7 @@ class TrajectoryPlannerNode(Node):
         if found.sampled is not None and found.stop is None:
             poses = partial(self._motions.poses_along, found)
             self._plans.publish_soon(response.trajectory, poses)
-        return response
+        return self._scene.add_note(scene, response)
 
     async def _planned(self, plan: Callable[[], _P], *, beside: bool) -> _P:
         """Plan, beside serving others where that takes long; say where missing limits go."""
