@@ -22,6 +22,7 @@ from robomech_ros.collision.scene_objects import (
     around_object,
     carried_by,
     covered,
+    placed_at,
     read_parts,
 )
 from robomech_ros.errors import BadValueError, UnknownLinkError
@@ -31,7 +32,7 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.entry_checks import bare_link, check_name
 from robomech_ros.robots.semantic import SemanticDescription
-from robomech_ros.spatial import as_pose, inverse_pose
+from robomech_ros.spatial import inverse_pose
 from robomech_ros.spatial.arrays import finite_within, listed
 from robomech_ros.typing import Array, BoolArray
 
@@ -162,7 +163,7 @@ class PlanningScene:
         check_name("name", name)
         if name in self._objects or name in self._places.links:
             raise BadValueError("name of an object", name, "one that nothing has yet")
-        placed = np.eye(4) if pose is None else as_pose(pose)
+        placed = np.eye(4) if pose is None else placed_at(pose)
         link = self._known(frame) if frame else ""
         if link and not self._places.links[link].frame:
             placed, link = self._places.links[link].pose @ placed, ""
@@ -171,7 +172,7 @@ class PlanningScene:
 
     def move(self, name: str, pose: npt.ArrayLike) -> None:
         """Move an object to a pose (4, 4) in the base, or in the link that carries it (m)."""
-        moved = replace(self._object(name), pose=as_pose(pose))
+        moved = replace(self._object(name), pose=placed_at(pose))
         self._change({**self._objects, name: moved})
 
     def remove(self, name: str) -> None:
@@ -207,7 +208,7 @@ class PlanningScene:
         carried = carried_by(self._known(link), found)
         links = listed("touch_links", touch_links, "names of links")
         touching = frozenset(map(self._known, links))
-        placed = found.pose if pose is None else as_pose(pose)
+        placed = found.pose if pose is None else placed_at(pose)
         if pose is None and q is not None:
             placed = inverse_pose(self.link_pose(link, q)) @ found.pose
         attached = replace(carried, pose=placed, touch_links=touching)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.collision.shapes import LARGEST, Body, Plane, Shape
 from robomech_ros.collision.sphere_cover import cover
 from robomech_ros.errors import BadValueError
@@ -58,10 +59,20 @@ def read_parts(shape: Shapes) -> tuple[tuple[Shape, Body, Array], ...]:
         if not isinstance(one, Shape) or pose is None:
             expected = "a Box, Sphere, Cylinder, Capsule, Cone, Plane or Mesh, or pairs with poses"
             raise BadValueError("shape", one, expected)
-        parts.append((one, one.body(), as_pose(pose, what="pose of a shape")))
+        parts.append((one, one.body(), placed_at(pose, "pose of a shape")))
     if not parts:
         raise BadValueError("shape", shape, "at least one")
     return tuple(parts)
+
+
+def placed_at(pose: npt.ArrayLike, what: str = "pose") -> Array:
+    """Check a pose (4, 4), and that distances to it can be computed (m)."""
+    checked = as_pose(pose, what=what)
+    away = float(np.abs(checked[:3, 3]).max())
+    if away > LARGEST_LENGTH:
+        expected = f"at most {LARGEST_LENGTH:g} m from the origin"
+        raise BadValueError(f"position of the {what}", away, expected)
+    return checked
 
 
 def carried_by(link: str, one: SceneObject) -> SceneObject:

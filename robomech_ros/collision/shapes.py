@@ -280,7 +280,10 @@ class Mesh(Shape):
     def body(self) -> Body:
         """Return the hull, and the surface where that is not convex."""
         vertices, faces = self.vertices, self.faces
+        a, b, c = (vertices[faces[:, k]] for k in range(3))
         try:
+            if not np.cross(b - a, c - a).any():
+                raise BadValueError(self.name, "without area", "triangles with an area")
             around = ConvexHull(vertices)
         except (QhullError, ValueError) as error:
             expected = "a mesh with a volume; a thin box stands for a plate"
@@ -354,8 +357,12 @@ def _built(vertices: npt.ArrayLike, faces: npt.ArrayLike | None, scale: Array) -
     triangles = np.asarray(faces if faces is not None else np.empty((0, 3)))
     if triangles.ndim != 2 or triangles.shape[1:] != (3,) or not len(triangles):
         raise BadValueError("faces", triangles.shape, "an array (m, 3) of indices of vertices")
-    if triangles.dtype.kind not in "iu" or triangles.min() < 0 or triangles.max() >= len(points):
-        raise BadValueError("faces", "indices", f"integers from 0 to {len(points) - 1}")
+    expected = f"indices of the {len(points)} vertices, from 0"
+    if triangles.dtype.kind not in "iu":
+        raise BadValueError("faces", f"of type {triangles.dtype}", expected)
+    for index in (int(triangles.min()), int(triangles.max())):
+        if not 0 <= index < len(points):
+            raise BadValueError("faces", index, expected)
     check_triangles("given as arrays", len(triangles))
     library = coal()
     listed, indices = library.StdVec_Vec3s(), library.StdVec_Triangle()

@@ -15,6 +15,7 @@ from arms import (
     without_self_contact,
     write_stl,
 )
+from scipy.spatial import ConvexHull
 
 from robomech_ros.collision import (
     Box,
@@ -315,6 +316,34 @@ def test_a_closed_box_as_a_mesh_is_a_box():
     assert not meshed.is_free(np.zeros(3))
 
 
+def test_meshes_with_too_many_triangles_are_refused_with_their_number(tmp_path):
+    path, count = tmp_path / "huge.stl", 1_000_000
+    with path.open("wb") as file:
+        file.write(bytes(80) + count.to_bytes(4, "little"))
+        file.truncate(84 + 50 * count)
+    for make in (lambda: Mesh(path), lambda: Mesh(np.eye(3), np.tile([0, 1, 2], (count, 1)))):
+        with pytest.raises(MeshError, match="has 1,000,000 triangles, at most 200,000 .* MeshLab"):
+            make()
+    (tmp_path / "huge.obj").write_bytes(bytes(70_000_000))
+    with pytest.raises(MeshError, match="has 70 MB, at most 67 MB"):
+        Mesh(tmp_path / "huge.obj")
+
+
+def test_a_large_round_face_of_a_mesh_is_taken():
+    """Its corners are neighbours of one of them: more than coal takes as they are."""
+    turns = np.linspace(0.0, 2.0 * np.pi, 600, endpoint=False)
+    ring = np.column_stack([0.2 * np.cos(turns), 0.2 * np.sin(turns), np.zeros(600)])
+    points = np.concatenate([ring - [0.0, 0.0, 0.1], ring + [0.0, 0.0, 0.1]])
+    hull, scene = ConvexHull(points), ball_robot()
+    a, b, c = points[hull.simplices].swapaxes(0, 1)
+    inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0.0
+    faces = np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)
+    scene.add("drum", Mesh(points, faces))
+    for q, distance in (((0.5, 0.0, 0.0), 0.25), ((0.1, 0.05, 0.4), 0.25), ((0.1, 0.0, 0.0), None)):
+        found = scene.clearance(q).distance
+        assert found < 0.0 if distance is None else found == pytest.approx(distance, abs=1e-6)
+
+
 def test_bad_shapes():
     for make in (
         lambda: Box(0.0, 1.0, 1.0),
@@ -357,6 +386,8 @@ def test_bad_objects():
         lambda: scene.add("none", []),
         lambda: scene.add("text", "sphere"),
         lambda: scene.add("bare", [Sphere(0.1)]),
+        lambda: scene.add("far", Sphere(0.1), at(1e7, 0, 0)),
+        lambda: scene.add("no area", Mesh(np.eye(3), [[0, 0, 1]])),
         lambda: scene.move("box", np.full((4, 4), math.nan)),
         lambda: scene.set_other_joints({"x": 0.1}),
         lambda: scene.detach("box"),

@@ -7,6 +7,7 @@ import numpy as np
 
 from robomech_ros.collision import Clearance, PlanningScene
 from robomech_ros.collision.planning import in_words
+from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.move_group.world import SceneObject, World
@@ -151,7 +152,10 @@ class _Follower:
                 scene.remove(name)
         for name, one in world.objects.items():
             if before.objects.get(name) is not one:
-                self._add(scene, name, one)
+                try:
+                    self._add(scene, name, one)
+                except RobomechError as error:
+                    raise RobomechError(f"{name[:100]!r}: {error}") from error
         _decide(scene, world)
         return scene
 

@@ -9,6 +9,7 @@ from moveit_msgs.msg import CollisionObject
 from std_msgs.msg import Header
 
 from robomech_ros.errors import BadValueError, UnknownLinkError, WrongSizeError
+from robomech_ros.nodes.common.message_fields import not_negative
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
 from robomech_ros.nodes.move_group.shape_messages import (
     PlacedShape,
@@ -140,6 +141,9 @@ class World:
             raise BadValueError("id", name, "a name that no link has")
         if operation != _ADD and name not in standing:
             raise BadValueError("id", name, _one_of(standing))
+        if name in self.attached:
+            link = self.attached[name].link
+            raise BadValueError("id", name, f"another name: '{link}' carries it; detach it first")
         pose = poses[message.header.frame_id] @ pose_of(message.pose, "pose")
         if operation == _MOVE:
             self.objects[name] = standing[name].at(pose, self.base_frame)
@@ -190,6 +194,7 @@ class World:
             return
         self._check_operation(given.operation, (_ADD, _APPEND))
         link = self._link(message.link_name)
+        weight = not_negative("weight", message.weight, "a mass that is not negative (kg)")
         touching = tuple(map(self._link, message.touch_links))
         known = self.objects.get(name)
         if has_shapes(given):
@@ -206,7 +211,7 @@ class World:
                 in_base = poses[known.link] @ known.pose if known.link else known.pose
                 one = replace(known, pose=inverse_pose(poses[link]) @ in_base)
         attached = one.at(one.pose, link, link)
-        self.objects[name] = replace(attached, touch_links=touching, weight=message.weight)
+        self.objects[name] = replace(attached, touch_links=touching, weight=weight)
 
     def allow(self, matrix: Any, ignored: Container[frozenset[str]]) -> None:
         """Take from an AllowedCollisionMatrix what differs from the scene as it is.

@@ -5,7 +5,7 @@ from copy import deepcopy
 import numpy as np
 import pytest
 from geometry_msgs.msg import PoseStamped
-from move_group_client import HERE, UR5E, box
+from move_group_client import HERE, UR5E, Client, box
 from sensor_msgs.msg import JointState
 from shaped_arm import shaped_ur5e
 
@@ -15,6 +15,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
 from robomech_ros.nodes.kinematics.node import KinematicsNode
+from robomech_ros.nodes.move_group.node import MoveGroupNode
 from robomech_ros.nodes.move_group.world import World
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.outcomes import Code
@@ -106,6 +107,23 @@ def test_what_stands_in_the_wall_is_refused(client):
     )
     assert answer.error_code == Code.COLLISION and not answer.trajectory.points
     assert "the goal is in contact" in answer.error_msg and "deep" in answer.error_msg
+
+
+def test_answers_say_once_that_nothing_is_checked(graph):
+    for kind in (MoveGroupNode, KinematicsNode, TrajectoryPlannerNode):
+        graph.start(kind, robot_description="ur5e")
+    client, text = Client(graph), "no collisions were checked: 'ur5e' has no collision geometry"
+    assert client.apply(WALL)
+    T = forward_kinematics(UR5E, HERE)
+    assert solved(client, T, lambda answer: answer.error_msg == text).solutions
+    start, goal = (joint_state(UR5E.joint_names, q) for q in (HERE, THERE))
+    T[2, 3] += 0.05
+    for kind, name, fields in (
+        (PlanJoint, "plan_joint", {"goal": goal}),
+        (PlanCartesian, "plan_cartesian", {"waypoints": [target(T)]}),
+    ):
+        request, service = kind.Request(start=start, **fields), f"trajectory_planner/{name}"
+        graph.call_until(kind, service, request, lambda answer: answer.error_msg == text)
 
 
 def test_a_plan_leads_out_of_a_contact(client, scene):

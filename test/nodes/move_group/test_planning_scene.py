@@ -242,7 +242,12 @@ NOWHERE = box()
 NOWHERE.header.frame_id = "nowhere"
 NOT_A_NUMBER = box()
 NOT_A_NUMBER.pose.position.x = math.nan
+FAR = box(position=(1e300, 0.0, 0.0))
+CORNERS = [Point(), Point(x=1.0), Point(y=1.0), Point(z=1.0)]
+NO_AREA = MeshTriangle(vertex_indices=np.array([1, 1, 2], dtype=np.uint32))
 BAD = {
+    "far away": FAR,
+    "no area": CollisionObject(id="x", meshes=[Mesh(vertices=CORNERS, triangles=[NO_AREA])]),
     "no shape": box(sizes=(1.0, 1.0, 1.0)),
     "flat": box(sizes=(0.0, 1.0, 1.0)),
     "too few sizes": box(sizes=(1.0, 1.0)),
@@ -273,6 +278,14 @@ def test_what_the_library_cannot_take_changes_nothing(client):
     assert names(client) == (["flat"] if flat_is_taken else [])
     assert client.apply(box("good"))
     assert "good" in names(client)
+
+
+def test_what_a_link_carries_is_not_lost_to_another_object_of_its_name(client):
+    assert client.apply(attached=[carried(PART)])
+    assert not client.apply(box("part"))
+    assert not client.apply(attached=[carried(PART, weight=math.nan)])
+    (one,) = client.scene().robot_state.attached_collision_objects
+    assert one.object.id == "part" and not names(client)
 
 
 def test_other_faults_change_nothing(client):
