@@ -53,7 +53,7 @@ INTERPRETED := test/kinematics/test_forward.py test/robots/test_dh_recovery.py \
     test/kinetostatics/test_jacobian.py test/kinetostatics/test_accelerations.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compat setup-demo setup-other notice demo view test test-fast test-long fuzz faults load plans soak moving answering installed other beside computing lint colcon bench pictures docs clean
+.PHONY: help setup compat setup-demo setup-other notice demo view test test-fast test-long fuzz faults load plans soak clients moving answering installed other beside computing lint colcon bench pictures docs clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -126,6 +126,9 @@ plans: setup ## random plans of every profile, measured; COUNT=1000000 SEED=0 PR
 soak: setup ## use the suite for half an hour, and see what its nodes hold; MINUTES=30 SEED=0 WILD=1
 	$(BIN)/python test/soak --minutes "$(or $(MINUTES),30)" --seed "$(or $(SEED),0)" --robot "$(ROBOT)" \
 	    $(if $(WILD),--wild)
+
+clients: setup ## ten clients of MoveIt at once while objects come and go at 50 Hz; SECONDS=180 SEED=0
+	$(BIN)/python test/foreign_clients --seconds "$(or $(SECONDS),180)" --seed "$(or $(SEED),0)"
 
 load: setup ## 1,000 calls at once of every service, floods of every topic; COUNT=1000 SECONDS=10 ROBOT=puma560
 	$(BIN)/python test/load --count "$(or $(COUNT),1000)" --seconds "$(or $(SECONDS),10)" \

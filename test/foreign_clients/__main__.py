@@ -99,7 +99,7 @@ def use(
     print(f"it moved in {moving:.0%} of them")
     print(
         f"{verdict.checked} pairs of a state and an object that was announced {EARLY:g} s before: "
-        f"{len(verdict.faults)} in contact, the others at least {verdict.nearest * 1e3:.2f} mm apart"
+        f"{len(verdict.faults)} contacts, else at least {verdict.nearest * 1e3:.2f} mm"
     )
     print(
         f"{verdict.late} contacts with objects that were announced later, at most "

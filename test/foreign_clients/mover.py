@@ -14,7 +14,13 @@ from typing import Any
 import numpy as np
 import rclpy
 from moveit_msgs.action import ExecuteTrajectory, MoveGroup
-from moveit_msgs.msg import Constraints, JointConstraint, MotionPlanRequest, RobotState
+from moveit_msgs.msg import (
+    Constraints,
+    JointConstraint,
+    MotionPlanRequest,
+    MoveItErrorCodes,
+    RobotState,
+)
 from moveit_msgs.srv import (
     GetMotionPlan,
     GetPlanningScene,
@@ -30,6 +36,8 @@ from sensor_msgs.msg import JointState
 PATIENCE = 60.0
 _AGAIN, _DISCOVERY = 2.0, 1.0
 _PLANNING = 2.0
+# Codes whose text is told: a robot that ten clients move and that objects hit has no such reasons.
+_UNUSUAL = (MoveItErrorCodes.CONTROL_FAILED, MoveItErrorCodes.FAILURE)
 
 
 class Mover:
@@ -144,7 +152,9 @@ class Mover:
             return
         ended = self._done(what, handle.get_result_async())
         if ended is not None:
-            self.outcomes[f"{what}: {ended.result.error_code.val}"] += 1
+            code = ended.result.error_code
+            text = f" {code.message[:200]}" if code.val in _UNUSUAL else ""
+            self.outcomes[f"{what}: {code.val}{text}"] += 1
 
     def _answer(self, service: str, request: Any) -> Any:
         return self._done(service, self._services[service].call_async(request))
