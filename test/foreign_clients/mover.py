@@ -36,6 +36,7 @@ from sensor_msgs.msg import JointState
 PATIENCE = 60.0
 _AGAIN, _DISCOVERY = 2.0, 1.0
 _PLANNING = 2.0
+_SPEEDS, _PAUSES = (0.1, 0.6), (0.0, 1.5)
 # Codes whose text is told: a robot that ten clients move and that objects hit has no such reasons.
 _UNUSUAL = (MoveItErrorCodes.CONTROL_FAILED, MoveItErrorCodes.FAILURE)
 
@@ -106,6 +107,8 @@ class Mover:
         request = MotionPlanRequest(allowed_planning_time=_PLANNING)
         request.goal_constraints = [Constraints(joint_constraints=joints)]
         request.start_state.is_diff = True
+        # Slow motions are still on their way when an object appears.
+        request.max_velocity_scaling_factor = float(self._random.uniform(*_SPEEDS))
         return request
 
     def _go(self) -> None:
@@ -179,7 +182,7 @@ def main() -> None:
     until = time.monotonic() + given["seconds"]
     while time.monotonic() < until:
         mover.act()
-        time.sleep(float(random.uniform(0.0, 0.5)))
+        time.sleep(float(random.uniform(*_PAUSES)))
     report = {"outcomes": mover.outcomes, "unanswered": mover.unanswered, "longest": mover.longest}
     print(json.dumps(report), flush=True)
     rclpy.try_shutdown()
