@@ -17,6 +17,7 @@ from robomech_ros._kernels.collision.shapes import BALL, BOX, CAPSULE, CYLINDER,
 from robomech_ros.collision.convex_parts import convex_parts, is_closed
 from robomech_ros.collision.libraries import coal
 from robomech_ros.errors import BadValueError
+from robomech_ros.regular_files import open_regular
 from robomech_ros.robots.joint import rotation_from_z
 from robomech_ros.robots.urdf.mesh_files import MeshError
 from robomech_ros.spatial.arrays import as_single, check_finite, finite_within, real_array
@@ -336,9 +337,12 @@ def check_triangles(name: str, count: int) -> None:
 
 def _check_file(path: Path) -> None:
     """Refuse a file that would take much memory only to be refused."""
-    size = path.stat().st_size
-    with path.open("rb") as file:
-        count = int.from_bytes(file.read(_STL_HEADER)[-4:], "little")
+    try:
+        size = path.stat().st_size
+        with open_regular(path) as file:
+            count = int.from_bytes(file.read(_STL_HEADER)[-4:], "little")
+    except OSError as error:
+        raise MeshError(str(path), f"cannot be read ({error.strerror})") from None
     if size == _STL_HEADER + _STL_TRIANGLE * count:
         check_triangles(str(path), count)
     if size > _LARGEST_FILE:
