@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from robomech_ros.kinetostatics.conditioning import (
         CharacteristicLength as CharacteristicLength,
         ConditioningIndex as ConditioningIndex,
+        LengthGradient as LengthGradient,
         characteristic_length as characteristic_length,
+        characteristic_length_gradient as characteristic_length_gradient,
         conditioning_index as conditioning_index,
     )
     from robomech_ros.kinetostatics.decoupled_blocks import (
@@ -43,7 +45,18 @@ if TYPE_CHECKING:
         manipulability_gradient as manipulability_gradient,
         min_singular_value as min_singular_value,
     )
+    from robomech_ros.kinetostatics.isotropic_designs import (
+        IsotropicDesign as IsotropicDesign,
+        isotropic_planar_2r as isotropic_planar_2r,
+        isotropic_planar_3r as isotropic_planar_3r,
+        isotropic_spatial_3r as isotropic_spatial_3r,
+        isotropic_wrist as isotropic_wrist,
+    )
     from robomech_ros.kinetostatics.jacobians import jacobian as jacobian
+    from robomech_ros.kinetostatics.loci import (
+        ConditionLoci as ConditionLoci,
+        condition_loci as condition_loci,
+    )
     from robomech_ros.kinetostatics.maps.reachability import (
         ReachMap as ReachMap,
         load_reach_map as load_reach_map,

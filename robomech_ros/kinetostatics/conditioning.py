@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from robomech_ros.kinetostatics.indices import NORMS
 from robomech_ros.kinetostatics.task_parts import PARTS, TaskPart, task_part
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.robots.dh import chain_from_dh
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.typing import Array
 
@@ -43,6 +45,10 @@ _OPTIONS = {"gtol": 1e-9, "maxiter": 300}
 _FEWER = {"gtol": 1e-9, "maxiter": 100}
 # Step over which second derivatives are taken; they grow with the power.
 _STEP = 1e-3
+# Step of the parameters of a design over which the gradient is differentiated (of the size, rad);
+# part of the greatest second derivative that is rounding; and part of the length in a direction
+# along which the condition number does not change.
+_DESIGN_STEP, _FLAT, _FREE = 1e-5, 1e-6, 1e-3
 
 
 class CharacteristicLength(float):
@@ -124,6 +130,104 @@ def characteristic_length(chain: SerialChain, *, norm: str = "2") -> Characteris
     result.q = _within_a_turn(chain, x[:-1])
     result.condition_number = condition
     return result
+
+
+@dataclass(frozen=True, eq=False)
+class LengthGradient:
+    """The characteristic length of a design, and its derivatives by the design.
+
+    Parameters
+    ----------
+    length : CharacteristicLength
+        By the Frobenius norm (m).
+    a, b : ndarray, shape (n,)
+        Derivatives by the lengths and the offsets of the links (1); that by the offset of a
+        prismatic joint is 0, because it is the joint's variable.
+    alpha : ndarray, shape (n,)
+        Derivatives by the twists of the links (m/rad).  NaN where there is none.
+    """
+
+    length: CharacteristicLength
+    a: Array
+    b: Array
+    alpha: Array
+
+
+def characteristic_length_gradient(chain: SerialChain) -> LengthGradient:
+    r"""Differentiate the characteristic length by the Denavit-Hartenberg parameters.
+
+    The best posture and the logarithm of the length, x, solve
+    :math:`\nabla_x \ln \kappa_F(x, p) = 0` for the parameters p, so
+
+    .. math:: \frac{dx}{dp} = -H^{-1} \frac{\partial}{\partial p} \nabla_x \ln \kappa_F
+
+    with the second derivatives H.  The Frobenius norm is used: it is smooth where the 2-norm is
+    not, as in an isotropic posture.  For revolute joints without a tool the length is proportional
+    to the arm, so the sum of all lengths and offsets times their derivatives is the length.
+    Where several postures are best, as of an arm with symmetries, the derivatives are those along
+    the posture ``length.q``; the length itself has a kink there.  A derivative is NaN if the
+    parameter decides on a joint that did not matter before, as a tip off the last axis does.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        With a Denavit-Hartenberg table.
+
+    Raises
+    ------
+    BadValueError
+        The chain has coupled joints, or its length is free.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.8.4.
+
+    Examples
+    --------
+    >>> from robomech_ros.kinetostatics import characteristic_length_gradient, isotropic_planar_3r
+    >>> design = isotropic_planar_3r(1.0)
+    >>> found = characteristic_length_gradient(design.chain)
+    >>> bool(abs(found.a @ design.a - found.length) < 1e-6)
+    True
+    """
+    check_chain(chain)
+    chain.require_uncoupled()
+    table = chain.dh
+    x, condition = _best(chain, "frobenius", "pose")
+    assert table is not None
+    task = task_part(chain, "pose")
+    H = _second_derivatives(x, chain, task, 2.0)
+    values, directions = np.linalg.eigh(H)
+    flat = np.abs(values) <= _FLAT * np.abs(values).max()
+    if np.abs(directions[-1, flat]).max(initial=0.0) > _FREE:
+        expected = "one whose condition number depends on the length of its linear rows"
+        raise BadValueError("chain", chain.name, expected)
+    # Of dx the last entry, that of ln L: minus a row of the inverse without flat directions.
+    row = directions[:, ~flat] @ (directions[-1, ~flat] / values[~flat])
+    length = CharacteristicLength(_length(chain, x))
+    length.q, length.condition_number = _within_a_turn(chain, x[:-1]), condition
+    design = np.stack((table.a, table.b, table.alpha))
+    units = np.array([length_scale(chain), length_scale(chain), 1.0])
+    out = np.zeros((3, chain.n))
+
+    def gradient(k: int, i: int, step: float) -> Array:
+        changed = design.copy()
+        changed[k, i] += step
+        a, b, alpha = changed
+        kinds = table.types.tolist()
+        arm = chain_from_dh(a, b, alpha, table.theta, types=kinds, tool=table.tool)
+        other = np.concatenate((task.packed[:1], arm.packed[1:]))
+        return _logarithm(x, chain, TaskPart(other, task.rows), 2.0)[1]
+
+    for k, i in np.ndindex(out.shape):
+        if k == 1 and chain.types[i] == PRISMATIC:
+            continue
+        h = float(_DESIGN_STEP * units[k])
+        change = (gradient(k, i, h) - gradient(k, i, -h)) / (2.0 * h)
+        free = np.abs(change @ directions[:, flat]).max(initial=0.0)
+        kink = free > _FREE * np.linalg.norm(change) and free > _FLAT / units[k]
+        out[k, i] = np.nan if kink else -length * row @ change
+    return LengthGradient(length, *out)
 
 
 def conditioning_index(

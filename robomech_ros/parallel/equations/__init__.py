@@ -3,9 +3,9 @@
 They follow the book and explain; ``direct`` of each robot is for use.
 """
 
+from robomech_ros.parallel.equations.closure import PlatformEquations, PlatformRoots
 from robomech_ros.parallel.equations.delta import DeltaQuadratic, delta_quadratic
 from robomech_ros.parallel.equations.loops import platform_equations
-from robomech_ros.parallel.equations.platform_equations import PlatformEquations, PlatformRoots
 
 __all__ = [
     "DeltaQuadratic",

@@ -9,8 +9,8 @@ import numpy as np
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.equations.closure import turn_about_z
 from robomech_ros.parallel.argument_checks import actuated
+from robomech_ros.parallel.equations.closure import PlatformEquations
 from robomech_ros.parallel.equations.elimination import Numbers
-from robomech_ros.parallel.equations.platform_equations import PlatformEquations
 from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
 from robomech_ros.parallel.spherical import Spherical3RRR
 from robomech_ros.parallel.stewart_gough import StewartGough
