@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     )
     from robomech_ros.robots.dh_table import DHTable as DHTable
     from robomech_ros.robots.drives import Drive as Drive
+    from robomech_ros.robots.free_dh_parameters import (
+        DHAmbiguity as DHAmbiguity,
+        dh_ambiguities as dh_ambiguities,
+    )
     from robomech_ros.robots.group_chains import (
         group_chain as group_chain,
         groups_by_links as groups_by_links,

@@ -99,12 +99,15 @@ if TYPE_CHECKING:
         point_acceleration as point_acceleration,
     )
     from robomech_ros.spatial.screws.bodies import (
+        PrincipalInertia as PrincipalInertia,
         angular_velocity_dyad as angular_velocity_dyad,
         inertia_about_point as inertia_about_point,
         inertia_dyad as inertia_dyad,
         inertia_of_point_mass as inertia_of_point_mass,
         momentum_screw as momentum_screw,
         newton_euler_wrench as newton_euler_wrench,
+        principal_inertia as principal_inertia,
+        radii_of_gyration as radii_of_gyration,
         twist_kinetic_energy as twist_kinetic_energy,
     )
     from robomech_ros.spatial.screws.exponential import (

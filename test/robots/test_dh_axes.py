@@ -5,7 +5,7 @@ import pytest
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.robots import chain_from_dh, dh_from_axes
+from robomech_ros.robots import chain_from_dh, dh_ambiguities, dh_from_axes, load_robot
 
 KINDS = ("skew", "parallel", "opposed", "intersecting", "perpendicular", "coincident")
 
@@ -84,3 +84,37 @@ def test_directions_of_any_length():
 def test_what_are_no_lines(points, directions, kind, text):
     with pytest.raises(kind, match=text):
         dh_from_axes(points, directions)
+
+
+def test_ambiguities_are_free_parameters_and_there_are_no_others():
+    """Changed as their reasons say, parameters give the same arm."""
+    rng, seen = np.random.default_rng(25), set()
+    for _ in range(200):
+        n = int(rng.integers(2, 8))
+        table = dh_from_axes(*random_axes(rng, n))
+        q = rng.uniform(-np.pi, np.pi, n)
+        expected = forward_kinematics(chain_of(table), q)
+        a, b, alpha, theta = (np.array(x) for x in (table.a, table.b, table.alpha, table.theta))
+        found = dh_ambiguities(table)
+        assert [one.kind for one in found[:1] + found[-1:]] == ["first frame", "last frame"]
+        for one in found[1:-1]:
+            seen.add(one.kind)
+            i = int(one.parameters[0].split("_")[1]) - 1
+            way = np.cos(table.alpha[i])
+            if one.kind == "meeting":
+                alpha[i], theta[i], theta[i + 1] = -alpha[i], theta[i] + np.pi, theta[i + 1] - np.pi
+            else:
+                b[[i, i + 1]] += 0.3, -0.3 * way
+                assert ("+" if way > 0.0 else "-") in one.reason
+            if one.kind == "coincident":
+                theta[[i, i + 1]] += 0.4, -0.4 * way
+        chain = chain_from_dh(a, b, alpha, theta, base=table.base)
+        np.testing.assert_allclose(forward_kinematics(chain, q), expected, atol=1e-12)
+        free = {int(one.parameters[0].split("_")[1]) - 1 for one in found[1:-1]}
+        skew = set(range(n - 1)) - free
+        assert all(table.a[i] > 1e-9 and abs(np.sin(table.alpha[i])) > 1e-8 for i in skew)
+    assert seen == {"parallel", "coincident", "meeting"}
+    stanford = [one for one in dh_ambiguities(load_robot("stanford").dh) if one.kind == "prismatic"]
+    assert stanford[0].parameters == ("a_2", "b_2", "a_3", "b_3")
+    with pytest.raises(BadValueError, match="expected a DHTable"):
+        dh_ambiguities(None)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from robomech_ros.errors import BadValueError
@@ -13,6 +15,85 @@ from robomech_ros.typing import Array, ArrayLike
 # Largest difference of an inertia matrix from its transpose, over its largest entry, that is taken
 # for rounding: six digits.
 _ASYMMETRY = 1e-5
+
+
+class PrincipalInertia(NamedTuple):
+    """Principal moments and axes of inertia.
+
+    Attributes
+    ----------
+    moments : ndarray, shape (..., 3)
+        By increasing size (kg m^2).
+    axes : ndarray, shape (..., 3, 3)
+        The rotation whose columns are the axes of the moments; unit vectors of equal moments are
+        any in their plane or space.
+    """
+
+    moments: Array
+    axes: Array
+
+
+def principal_inertia(inertia: ArrayLike) -> PrincipalInertia:
+    r"""Find the principal moments and axes: :math:`I = R \,\mathrm{diag}(I_1, I_2, I_3)\, R^T`.
+
+    Parameters
+    ----------
+    inertia : array_like, shape (..., 3, 3)
+        About any point, in any axes (kg m^2).
+
+    Returns
+    -------
+    PrincipalInertia
+        The axes are in those of the inertia.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.8.
+
+    Examples
+    --------
+    >>> from robomech_ros.spatial import principal_inertia
+    >>> principal_inertia([[2.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 0.0, 4.0]]).moments.round(9)
+    array([1., 3., 4.])
+    """
+    own = _inertia(inertia)
+    # Scaled, so that no square overflows or vanishes.
+    scale = np.abs(own).max(axis=(-1, -2), keepdims=True, initial=0.0)
+    scale = np.where(scale > 0.0, scale, 1.0)
+    part = own / scale
+    moments, axes = np.linalg.eigh(0.5 * (part + np.swapaxes(part, -1, -2)))
+    axes[..., 0] *= np.linalg.det(axes)[..., None]
+    return PrincipalInertia(moments * scale[..., 0], axes)
+
+
+def radii_of_gyration(mass: ArrayLike, inertia: ArrayLike) -> Array:
+    r"""Compute the radii of gyration about the principal axes: :math:`k_i = \sqrt{I_i / m}`.
+
+    Parameters
+    ----------
+    mass : array_like, shape (...)
+        kg, positive.
+    inertia : array_like, shape (..., 3, 3)
+        As for :func:`principal_inertia`; its principal moments are not negative (kg m^2).
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        By increasing size (m), in the order of the principal axes.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 3.8.
+    """
+    m, moments = as_finite("mass", mass, ()), principal_inertia(inertia).moments
+    if (m <= 0.0).any():
+        raise BadValueError("mass", float(m.min()), "more than 0 kg")
+    common_shape("mass and inertia", m.shape, moments.shape[:-1])
+    if (moments[..., 0] < -_ASYMMETRY * moments[..., 2]).any():
+        least = float(moments[..., 0].min())
+        raise BadValueError("principal moment of inertia", least, "at least 0 kg m^2")
+    radii: Array = np.sqrt(np.maximum(moments, 0.0) / m[..., None])
+    return finite_result("mass", radii, m)
 
 
 def inertia_of_point_mass(mass: ArrayLike, position: ArrayLike) -> Array:

@@ -89,3 +89,35 @@ def test_inertia_about_a_point_is_that_of_point_masses():
         spatial.inertia_about_point(1.0, np.arange(9.0).reshape(3, 3), [0, 0, 0], [0, 0, 1])
     with pytest.raises(BadValueError, match="mass is -1"):
         spatial.inertia_dyad(-1.0, np.eye(3))
+
+
+def test_principal_axes_are_those_about_which_a_body_turns_without_wobbling():
+    rng = np.random.default_rng(8)
+    r = rng.normal(size=(5, 10, 4, 3))
+    own = spatial.inertia_of_point_mass(1.0, r).sum(axis=2)
+    moments, axes = spatial.principal_inertia(own)
+    assert (np.diff(moments, axis=-1) >= 0.0).all()
+    np.testing.assert_allclose(own @ axes, axes * moments[..., None, :], atol=1e-12)
+    np.testing.assert_allclose(np.linalg.det(axes), 1.0)
+    for k in range(3):
+        spin = np.zeros((5, 10, 6))
+        spin[..., :3] = axes[..., k]
+        assert np.abs(spatial.newton_euler_wrench(2.0, own, spin, np.zeros(6))).max() < 1e-12
+    assert (moments[..., 2] <= moments[..., 0] + moments[..., 1] + 1e-12).all()
+    assert spatial.principal_inertia(1e200 * own[0, 0]).moments == pytest.approx(
+        1e200 * moments[0, 0]
+    )
+    assert not spatial.principal_inertia(np.zeros((3, 3))).moments.any()
+
+
+def test_radii_of_gyration_of_a_box():
+    sides, mass = np.array([0.2, 0.5, 0.9]), 3.0
+    R = spatial.matrix_from_rotation_vector([0.3, -0.4, 0.8])
+    squares = (sides**2).sum() - sides**2
+    own = R @ np.diag(mass * squares / 12.0) @ R.T
+    found = spatial.radii_of_gyration(mass, 0.5 * (own + own.T))
+    np.testing.assert_allclose(found, np.sort(np.sqrt(squares / 12.0)))
+    with pytest.raises(BadValueError, match="mass is 0.0, expected more than 0 kg"):
+        spatial.radii_of_gyration(0.0, np.eye(3))
+    with pytest.raises(BadValueError, match="moment of inertia is -1.0, expected at least 0"):
+        spatial.radii_of_gyration(1.0, np.diag([-1.0, 2.0, 2.0]))
