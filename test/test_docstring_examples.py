@@ -16,14 +16,17 @@ FLAGS = doctest.NORMALIZE_WHITESPACE
 def documented():
     """Every example of what a package of the core exports, by the name a user imports."""
     found = {}
-    for package in pkgutil.iter_modules(robomech_ros.__path__):
-        if not package.ispkg or package.name in ("_kernels", "nodes"):
-            continue
-        module = import_module(f"robomech_ros.{package.name}")
+    packages = [
+        package.name
+        for package in pkgutil.iter_modules(robomech_ros.__path__)
+        if package.ispkg and package.name not in ("_kernels", "nodes")
+    ]
+    for package in (*packages, "dynamics.symbolic", "kinematics.equations", "parallel.equations"):
+        module = import_module(f"robomech_ros.{package}")
         for name in getattr(module, "__all__", ()):
             value = getattr(module, name)
             if inspect.isfunction(value) or inspect.isclass(value):
-                where = f"{package.name}.{name}"
+                where = f"{package}.{name}"
                 text = inspect.getdoc(value) or ""
                 example = doctest.DocTestParser().get_doctest(text, {}, where, None, 0)
                 if example.examples:

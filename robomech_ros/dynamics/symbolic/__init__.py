@@ -13,12 +13,21 @@ if TYPE_CHECKING:
         SymbolicModel as SymbolicModel,
         symbolic_model as symbolic_model,
     )
+    from robomech_ros.dynamics.symbolic.constrained_systems import (
+        SymbolicBody as SymbolicBody,
+        SymbolicSystem as SymbolicSystem,
+    )
     from robomech_ros.dynamics.symbolic.geometry import (
         SymbolicClosure as SymbolicClosure,
         SymbolicDecoupled as SymbolicDecoupled,
         SymbolicLoop as SymbolicLoop,
         symbolic_closure as symbolic_closure,
         symbolic_decoupled as symbolic_decoupled,
+    )
+    from robomech_ros.dynamics.symbolic.loops_and_wheels import (
+        symbolic_omnidirectional as symbolic_omnidirectional,
+        symbolic_planar_3rrr as symbolic_planar_3rrr,
+        symbolic_two_wheels as symbolic_two_wheels,
     )
     from robomech_ros.dynamics.symbolic.printing import (
         FORMS as FORMS,
