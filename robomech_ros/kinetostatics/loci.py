@@ -10,9 +10,11 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import as_joint_values, check_chain
 from robomech_ros.kinetostatics.conditioning import characteristic_length
 from robomech_ros.kinetostatics.indices import condition_number, condition_number_gradient
+from robomech_ros.kinetostatics.task_parts import PARTS
 from robomech_ros.numerics.arrays import real_array, whole_number
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.typing import Array, ArrayLike
 
 _FEWEST_STEPS, _MOST_STEPS, _REFINEMENTS = 8, 2048, 6
@@ -105,6 +107,7 @@ def condition_loci(
     (4, True)
     """
     check_chain(chain)
+    part = as_choice("part", part, tuple(PARTS))
     pair = _pair(chain, joints)
     values = np.atleast_1d(real_array("levels", levels))
     if values.ndim != 1 or not (np.isfinite(values) & (values > 1.0)).all():

@@ -149,6 +149,14 @@ def test_what_is_missing_is_said():
     triangle = [[0, 0], [1, 0], [0.3, 0.8]]
     found = platform_equations(Planar3RPR(triangle, triangle), [0.5] * 3).roots()
     assert not found.complete and "6 roots that may be real led to" in found.reason
+    # Base points in a line: the platform turns about it.
+    line = np.outer(np.arange(6.0), [1.0, 0.0, 0.0])
+    robot = StewartGough(line, np.repeat(np.eye(3), 2, axis=0))
+    found = platform_equations(robot, robot.inverse(np.eye(4))).roots()
+    assert not found.complete and "the platform can move" in found.reason
+    assert len(found.angles) == len(found.roots) == len(found.real) == 0
+    with pytest.raises(BadValueError, match="number of angles is 2, expected 3"):
+        platform_equations(load_parallel("planar_3rpr"), [14.0] * 3).dialytic_matrix(0.0)
     legs = StewartGough(*(np.repeat(np.eye(3)[[0, 1, 2]], 2, 0) * r for r in (1.0, 0.5)))
     with pytest.raises(BadValueError, match="base_points is .* with different base points"):
         platform_equations(legs, [1.0] * 6)

@@ -20,8 +20,9 @@ import numpy as np
 import sympy
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.numerics.arrays import finite_number
+from robomech_ros.numerics.arrays import check_kind, finite_number
 from robomech_ros.spatial.arrays import as_choice
+from robomech_ros.spatial.rows import finite_result
 from robomech_ros.typing import Array
 
 _NAMES = {"inertia": "I", "coupling": "C", "shape": "T"}
@@ -140,11 +141,14 @@ class SymbolicSystem:
         )
 
         def evaluate(values: Mapping[str, float]) -> tuple[Array, Array]:
-            if wrong := sorted(set(values) ^ set(names)):
+            check_kind("values", values, Mapping, "a mapping of names to numbers")
+            if wrong := sorted(map(str, set(values) ^ set(names))):
                 raise BadValueError("names of values", wrong, f"exactly {', '.join(names)}")
-            numbers = [finite_number(name, values[name], "in SI units") for name in names]
-            inertia, coupling = both(*numbers)
-            return np.asarray(inertia, np.float64), np.asarray(coupling, np.float64)
+            numbers = np.array([finite_number(name, values[name], "in SI units") for name in names])
+            with np.errstate(all="ignore"):
+                found = [np.asarray(one, np.float64) for one in both(*numbers)]
+            inertia, coupling = (finite_result("values", one, numbers) for one in found)
+            return inertia, coupling
 
         return evaluate
 

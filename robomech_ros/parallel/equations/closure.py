@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robomech_ros.errors import WrongSizeError
+from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics.equations.closure import as_angles, circle
 from robomech_ros.kinematics.equations.half_angles import (
     angles_of_line,
@@ -19,6 +19,7 @@ from robomech_ros.kinematics.equations.half_angles import (
     waves_of_samples,
 )
 from robomech_ros.numerics import CurvePair
+from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.parallel.equations.elimination import (
     Numbers,
     crossing_angles,
@@ -152,6 +153,7 @@ class PlatformEquations:
 
     def solutions_at(self, first: complex, second: complex) -> ComplexArray:
         """Return all angles (k, n) of solutions near estimates of the first two (rad)."""
+        first, second = _angle("first", first), _angle("second", second)
         starts = [np.array([first, second], complex)]
         if len(self.names) == 3:
             thirds = crossing_angles(
@@ -171,6 +173,7 @@ class PlatformEquations:
 
         With three angles it is the determinant of the dialytic matrix of `dialytic_matrix`.
         """
+        first = finite_number("first", first, "rad")
         if len(self.names) == 2:
             u = circle(first)
             return float(line_resultant(u @ self.tables[0], u @ self.tables[1]))
@@ -183,7 +186,9 @@ class PlatformEquations:
         ----------
         Nanua, Waldron and Murthy, IEEE Trans. Robotics and Automation 6 (1990), pp. 438-444.
         """
-        return sylvester(self.tables[0], self._lines, first)
+        if len(self.names) == 2:
+            raise BadValueError("number of angles", 2, "3: two need no dialytic matrix")
+        return sylvester(self.tables[0], self._lines, finite_number("first", first, "rad"))
 
     def roots(self) -> PlatformRoots:
         """Find all roots of the polynomial, real and complex, and the poses they lead to."""
@@ -237,6 +242,13 @@ class PlatformEquations:
             return float(np.prod(norms, axis=0).max() ** 2)
         rows = [np.linalg.norm(self.dialytic_matrix(one), axis=1) for one in samples]
         return float(np.prod(rows, axis=1).max())
+
+
+def _angle(what: str, value: complex) -> complex:
+    given = as_angles(what, value)
+    if given.ndim:
+        raise WrongSizeError(what, given.shape, "()")
+    return complex(given)
 
 
 def _apart(one: Numbers, other: Numbers) -> float:
