@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from scipy.optimize import minimize
+from wrong_values import WRONG_VALUES, answered_or_refused, with_options
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics
@@ -197,3 +198,20 @@ def test_a_planar_design_keeps_its_own_directions(golden):
     found = characteristic_length_gradient(design.chain)
     assert found.a @ design.a == pytest.approx(design.length, rel=1e-7)
     assert json.dumps(found.b.round(6).tolist()) == "[0.0, 0.0, 0.0]"
+
+
+@pytest.mark.parametrize(
+    "function",
+    [isotropic_planar_2r, isotropic_planar_3r, isotropic_spatial_3r, isotropic_wrist],
+    ids=lambda function: function.__name__,
+)
+def test_wrong_values_are_answered_or_refused(function):
+    good = {} if function is isotropic_wrist else {"reach": 1.0}
+    for call in with_options(function, **good).values():
+        assert len(answered_or_refused(call, WRONG_VALUES)) > 10
+
+
+def test_wrong_values_of_loci_and_of_the_gradient_are_answered_or_refused():
+    loci = with_options(condition_loci, load_robot("puma560"), levels=[2.0], steps=8)
+    for call in (*loci.values(), characteristic_length_gradient):
+        assert answered_or_refused(call, WRONG_VALUES)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from platforms import platform, random_pose, same_poses
 from scipy.spatial.transform import Rotation
+from wrong_values import WRONG_VALUES, answered_or_refused, with_options
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.numerics import bivariate
@@ -172,3 +173,16 @@ def test_what_is_missing_is_said():
         delta_quadratic(load_parallel("delta"), [0.0, np.nan, 0.0])
     with pytest.raises(BadValueError, match="the three elbows are not in line"):
         delta_quadratic(Delta(0.2, 0.2, 0.4, 1.0), [np.pi / 2] * 3)
+
+
+def test_wrong_values_are_answered_or_refused():
+    robot, lengths = load_parallel("planar_3rpr"), [14.98, 15.38, 12.0]
+    equations = platform_equations(robot, lengths)
+    calls = with_options(platform_equations, robot=robot, drives=lengths)
+    calls |= with_options(delta_quadratic, robot=load_parallel("delta"), q=[0.0] * 3)
+    for name in ("residual", "pose", "resultant"):
+        calls[name] = getattr(equations, name)
+    calls["first"] = lambda value: equations.solutions_at(value, 0.1)
+    calls["second"] = lambda value: equations.solutions_at(0.1, value)
+    for call in calls.values():
+        assert len(answered_or_refused(call, WRONG_VALUES)) > 10
