@@ -77,7 +77,13 @@ from robomech_ros.trajectory import (
 PATHS = "trajectory/paths/test_wrong_arguments.py"
 # Of the dynamics, called by hand: a run over time, what takes another function's result, what takes
 # many states.
-NOT_OF_A_STATE = ("simulate", "consistent_fit", "torque_summary")
+NOT_OF_A_STATE = (
+    "simulate",
+    "simulate_floating",
+    "move_floating_tip",
+    "consistent_fit",
+    "torque_summary",
+)
 
 PUMA, PANDA = load_robot("puma560"), load_robot("panda")
 # What searches all postures of an arm is asked for one of few joints.

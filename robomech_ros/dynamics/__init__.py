@@ -30,6 +30,12 @@ if TYPE_CHECKING:
         potential_energy as potential_energy,
         power_balance as power_balance,
     )
+    from robomech_ros.dynamics.floating.chain import FloatingChain as FloatingChain
+    from robomech_ros.dynamics.floating.motion import (
+        FloatingMotion as FloatingMotion,
+        move_floating_tip as move_floating_tip,
+        simulate_floating as simulate_floating,
+    )
     from robomech_ros.dynamics.formulations.complexity import (
         ALGORITHMS as ALGORITHMS,
         Operations as Operations,

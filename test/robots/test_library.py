@@ -16,9 +16,11 @@ from robomech_ros.robots import (
     load_robot,
     robot_folders,
 )
+from robomech_ros.spatial import pose_exponential
 
 ROBOTS = pytest.mark.parametrize("robot", list_robots())
 EXPECTED = {
+    "canadarm2": 7,
     "crx10ia": 6,
     "diestro": 6,
     "fanuc_arcmate": 6,
@@ -42,6 +44,7 @@ EXPECTED = {
     "xarm6": 6,
 }
 WITH_BODIES = {
+    "canadarm2",
     "crx10ia",
     "gen3",
     "iiwa14",
@@ -156,6 +159,28 @@ def test_makers_zero_postures(robot, position):
     chain = load_robot(robot)
     T = forward_kinematics(chain, np.zeros(chain.n))
     np.testing.assert_allclose(T[:3, 3], position, atol=1e-12)
+
+
+def test_canadarm2_has_the_frames_of_its_published_table():
+    """The axes are x, z, y, y, y, z, x, with the offsets of Nguyen and Hughes."""
+    chain = load_robot("canadarm2")
+    axes = np.eye(3)[[0, 2, 1, 1, 1, 2, 0]]
+    offsets = [[1.3589, 0.0, 0.0], [0.0, 0.0, 0.7026], [0.0, -0.5692, 0.0], [7.11, -0.475, 0.0]]
+    offsets += [[7.11, 0.0, 0.0], [0.0, -0.5692, 0.0], [0.0, 0.0, -0.7026], [1.3589, 0.0, 0.0]]
+    places = np.cumsum(offsets, axis=0)
+    # Ours has z along the roll axis, x along theirs of yaw.
+    base = np.array([[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]])
+    for q in np.random.default_rng(2).uniform(-4.7, 4.7, (20, 7)):
+        T = np.eye(4)
+        for axis, place, angle in zip(axes, places, q, strict=False):
+            turn = pose_exponential([*angle * axis, *np.zeros(3)])
+            turn[:3, 3] = place - turn[:3, :3] @ place
+            T = T @ turn
+        tip = T[:3, :3] @ places[-1] + T[:3, 3]
+        found = forward_kinematics(chain, q)
+        np.testing.assert_allclose(base @ found[:3, 3], tip, atol=1e-12)
+        np.testing.assert_allclose(base @ found[:3, 2], T[:3, 0], atol=1e-14)
+    assert inverse_kinematics(chain, forward_kinematics(chain, chain.home())).family == "redundant"
 
 
 def test_a_name_a_path_and_a_text_give_the_same_chain(tmp_path):

@@ -164,7 +164,7 @@ def simulate(
     first = motion.requested_torque(0.0, q, rates)
     system.forward(q, rates, first, gravity=gravity, tip_wrench=wrench)
     watched = _watched(events)
-    record = Record(_as_times(times, duration))
+    record = Record(as_times(times, duration))
     integration = Integration(motion, choice, limits, part, watched, record)
     state = np.concatenate((q[system.drives_at], rates, [0.0, 0.0]))
     # What overflows is found in the states.
@@ -244,7 +244,8 @@ def _watched(events: Sequence[Event]) -> list[Event]:
     return watched
 
 
-def _as_times(times: ArrayLike | None, duration: float) -> Array | None:
+def as_times(times: ArrayLike | None, duration: float) -> Array | None:
+    """Return the increasing times (m,) at which states are recorded (s); None stays."""
     if times is None:
         return None
     array = as_finite("times", times, ())

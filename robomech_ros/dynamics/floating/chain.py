@@ -1,0 +1,360 @@
+"""A chain on a free base: momentum, generalised Jacobian, dynamics, reactionless motions."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robomech_ros._kernels.chain.serial import NOT_FINITE
+from robomech_ros._kernels.compiling.jit import direct
+from robomech_ros._kernels.dynamics import forward as forward_kernels, inverse, mass
+from robomech_ros._kernels.dynamics.layout import MASS, MODEL_WIDTH, ROTOR
+from robomech_ros.dynamics.model import body_rows, dynamic_model, surroundings
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.kinematics.joint_values import check_chain
+from robomech_ros.kinetostatics import jacobian
+from robomech_ros.robots.bodies import Body, possible_body
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE
+from robomech_ros.spatial.arrays import as_choice, as_single
+from robomech_ros.typing import Array, ArrayLike
+
+STILL = ("pose", "orientation")
+WEIGHTLESS = (0.0, 0.0, 0.0)
+
+_inverse = direct(inverse.inverse_dynamics_one)
+_forward = direct(forward_kernels.forward_dynamics_one)
+_mass = direct(mass.mass_matrix_one)
+# Turns x to y, y to z and z to x: three slides, then three turns, along x, y and z.
+_NEXT_AXIS = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+# Part of the greatest singular value below which one is zero.
+_ZERO = 1e-9
+
+
+class FloatingChain:
+    r"""A serial chain whose base is a body that nothing holds, as of a robot in space.
+
+    The rates are ``u = [omega; v; qd]``, shape (6 + n,): the twist of the base at its origin and in
+    its axes, then the joints.  Their derivatives are the accelerations, taken in the same axes.
+    Efforts are ``[n; f; tau]``: the wrench on the base, then the drives.  With the momentum
+    :math:`\mu` about the origin of the base,
+
+    .. math::
+
+       \begin{bmatrix} H_b & H_{bm} \\ H_{bm}^T & H_m \end{bmatrix} \dot u + h(q, u)
+       = \begin{bmatrix} w \\ \tau \end{bmatrix}, \qquad \mu = H_b t_b + H_{bm} \dot q
+
+    The kernels of chains compute all of it: the base has three slides and three turns at zero.
+
+    Parameters
+    ----------
+    chain : SerialChain
+        Of n joints, with the bodies that they move.
+    base : Body, optional
+        What floats with the base link, in its frame.  Default no mass, as of a leg whose trunk is
+        counted elsewhere.
+
+    Raises
+    ------
+    MissingInertiaError, BadValueError
+        Bodies are unknown or impossible, or joints follow others.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 7.5.2; Umetani, Yoshida,
+    Resolved motion rate control of space manipulators with generalized Jacobian matrix, IEEE Trans.
+    Robotics and Automation 5, 1989.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.dynamics import FloatingChain
+    >>> from robomech_ros.robots import Body, load_robot
+    >>> robot = FloatingChain(load_robot("iiwa14"), Body(200.0, [0.0, 0.0, -0.5], 30.0 * np.eye(3)))
+    >>> rates = robot.rates(robot.chain.home(), np.full(7, 0.1))
+    >>> bool(np.abs(robot.momentum(robot.chain.home(), rates)).max() < 1e-12)
+    True
+    """
+
+    def __init__(self, chain: SerialChain, base: Body | None = None) -> None:
+        check_chain(chain)
+        chain.require_uncoupled()
+        of_joints = dynamic_model(chain)
+        model = np.zeros((6 + len(of_joints), MODEL_WIDTH))
+        model[:6, 0] = [PRISMATIC] * 3 + [REVOLUTE] * 3
+        model[:6, 1:10] = _NEXT_AXIS.ravel()
+        model[6:] = of_joints
+        if base is not None:
+            body = possible_body("base", base)
+            packed = [body.mass, *body.com, *body.inertia[np.triu_indices(3)]]
+            model[5, MASS:ROTOR] = body_rows(np.array([packed]))[0]
+        model.setflags(write=False)
+        self.chain, self.base, self._model = chain, base, model
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return self.chain.n
+
+    @property
+    def mass(self) -> float:
+        """Mass of base and links (kg)."""
+        return float(self._model[:, MASS].sum())
+
+    def mass_matrix(self, q: ArrayLike) -> Array:
+        """Compute the generalised inertia of the rates u, shape (6 + n, 6 + n).
+
+        Parameters
+        ----------
+        q : array_like, shape (n,)
+            Joint values (rad or m).
+        """
+        M = np.empty((6 + self.n, 6 + self.n))
+        self._check(_mass(self._model, self._joints(self._values("q", q)), M))
+        order = self._order()
+        return M[np.ix_(order, order)]
+
+    def momentum(self, q: ArrayLike, rates: ArrayLike) -> Array:
+        """Compute the momentum of base and links about their mass centre, shape (6,).
+
+        Parameters
+        ----------
+        q : array_like, shape (n,)
+            Joint values (rad or m).
+        rates : array_like, shape (6 + n,)
+            u (rad/s, m/s and those of the joints).
+
+        Returns
+        -------
+        ndarray, shape (6,)
+            Angular (kg m^2/s), then linear momentum (kg m/s), in the axes of the base.
+        """
+        totals = self._totals(q, rates)
+        found = totals[4:10].copy()
+        found[:3] -= np.cross(totals[1:4] / totals[0], found[3:])
+        return found
+
+    def center_of_mass(self, q: ArrayLike) -> Array:
+        """Compute the mass centre of base and links in the base (m), shape (3,)."""
+        totals = self._totals(q, np.zeros(6 + self.n))
+        return totals[1:4] / totals[0]
+
+    def kinetic_energy(self, q: ArrayLike, rates: ArrayLike) -> float:
+        """Compute the kinetic energy of base, links and rotors (J)."""
+        return float(self._totals(q, rates)[10])
+
+    def rates(self, q: ArrayLike, qd: ArrayLike, momentum: ArrayLike | None = None) -> Array:
+        """Complete joint rates to u by the twist of the base that keeps the momentum.
+
+        Parameters
+        ----------
+        q, qd : array_like, shape (n,)
+            Joint values and rates (rad or m, and s).
+        momentum : array_like, shape (6,), optional
+            As of :meth:`momentum`.  Default none.
+
+        Returns
+        -------
+        ndarray, shape (6 + n,)
+        """
+        given = self._values("qd", qd)
+        H, about = self.mass_matrix(q), np.zeros(6)
+        if momentum is not None:
+            about = as_single("momentum", momentum, (6,)).copy()
+            about[:3] += np.cross(_first_moment(H) / H[3, 3], about[3:])
+        twist = self._solved(H[:6, :6], about - H[:6, 6:] @ given)
+        return np.concatenate((twist, given))
+
+    def generalized_jacobian(self, q: ArrayLike) -> Array:
+        r"""Compute what takes joint rates to the twist of the tip, the momentum being zero.
+
+        .. math:: J_g = J_m - J_b H_b^{-1} H_{bm}
+
+        Parameters
+        ----------
+        q : array_like, shape (n,)
+            Joint values (rad or m).
+
+        Returns
+        -------
+        ndarray, shape (6, n)
+            To [omega; v] of the tip over the inertial frame, at its origin, in the axes of the
+            base.
+        """
+        H = self.mass_matrix(q)
+        return self.tip_jacobian(q) @ np.vstack(
+            (-self._solved(H[:6, :6], H[:6, 6:]), np.eye(self.n))
+        )
+
+    def tip_jacobian(self, q: ArrayLike) -> Array:
+        """Return the matrix from u to the twist of the tip in the axes of the base, (6, 6 + n)."""
+        values = self._values("q", q)
+        x, y, z = forward_kinematics(self.chain, values)[:3, 3]
+        J = np.hstack((np.eye(6), jacobian(self.chain, values)))
+        J[3:, :3] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
+        return J
+
+    def reactionless(self, q: ArrayLike, still: str = "pose") -> Array:
+        """Return an orthonormal basis of the joint rates that leave the base still.
+
+        Parameters
+        ----------
+        q : array_like, shape (n,)
+            Joint values (rad or m).
+        still : {"pose", "orientation"}, optional
+            Whether the base neither moves nor turns, or does not turn only.
+
+        Returns
+        -------
+        ndarray, shape (n, k)
+            k is n - 6 or n - 3 in postures that are not singular for it; the momentum is zero.
+        """
+        H = self.mass_matrix(q)
+        rows = H[:6, 6:]
+        if as_choice("still", still, STILL) == "orientation":
+            rows = self._solved(H[:6, :6], rows)[:3]
+        _, s, Vt = np.linalg.svd(rows)
+        rank = int((s > _ZERO * s[0]).sum())
+        return np.ascontiguousarray(Vt[rank:].T)
+
+    def inverse(
+        self,
+        q: ArrayLike,
+        rates: ArrayLike,
+        accelerations: ArrayLike,
+        *,
+        gravity: ArrayLike = WEIGHTLESS,
+        tip_wrench: ArrayLike | None = None,
+    ) -> Array:
+        """Compute the wrench on the base and the torques that a motion of all takes.
+
+        Parameters
+        ----------
+        q : array_like, shape (n,)
+            Joint values (rad or m).
+        rates, accelerations : array_like, shape (6 + n,)
+            u and its derivative.
+        gravity : array_like, shape (3,), optional
+            In the axes of the base (m/s^2).  Default none.
+        tip_wrench : array_like, shape (6,), optional
+            [n; f] that the surroundings exert on the tip, at its origin, in the axes of the base.
+
+        Returns
+        -------
+        ndarray, shape (6 + n,)
+            ``[n; f; tau]`` (N m, N and those of the drives).
+        """
+        values, u = self._values("q", q), self._values("rates", rates, 6)
+        change = self._values("accelerations", accelerations, 6)
+        around = surroundings((6 + self.n,), gravity, tip_wrench)
+        slides = change.copy()
+        slides[:3] -= _turning(u)
+        slides[3:6] += np.cross(u[:3], u[3:6])
+        order, out = self._order(), np.empty(6 + self.n)
+        given = self._joints(values), u[order], slides[order]
+        self._check(_inverse(self._model, *given, around, out))
+        return out[order]
+
+    def forward(
+        self,
+        q: ArrayLike,
+        rates: ArrayLike,
+        efforts: ArrayLike,
+        *,
+        gravity: ArrayLike = WEIGHTLESS,
+        tip_wrench: ArrayLike | None = None,
+    ) -> Array:
+        """Compute the accelerations that efforts cause, the inverse of :meth:`inverse`.
+
+        Parameters
+        ----------
+        q : array_like, shape (n,)
+            Joint values (rad or m).
+        rates : array_like, shape (6 + n,)
+            u.
+        efforts : array_like, shape (6 + n,)
+            ``[n; f; tau]``, with a wrench of zero on a base that floats.
+        gravity, tip_wrench
+            As for :meth:`inverse`.
+
+        Returns
+        -------
+        ndarray, shape (6 + n,)
+        """
+        values, u = self._values("q", q), self._values("rates", rates, 6)
+        given = self._values("efforts", efforts, 6)
+        around = surroundings((6 + self.n,), gravity, tip_wrench)
+        order, out = self._order(), np.empty(6 + self.n)
+        state = self._joints(values), u[order], given[order]
+        self._check(_forward(self._model, *state, around, out))
+        found = out[order]
+        found[:3] += _turning(u)
+        found[3:6] -= np.cross(u[:3], u[3:6])
+        return found
+
+    def torques(self, q: ArrayLike, rates: ArrayLike, qdd: ArrayLike) -> tuple[Array, Array]:
+        """Compute the torques that joint accelerations take while the base floats.
+
+        Parameters
+        ----------
+        q, qdd : array_like, shape (n,)
+            Joint values and accelerations.
+        rates : array_like, shape (6 + n,)
+            u.
+
+        Returns
+        -------
+        torques : ndarray, shape (n,)
+            N m or N.
+        base : ndarray, shape (6,)
+            Derivative of the twist of the base.
+        """
+        change = np.concatenate((np.zeros(6), self._values("qdd", qdd)))
+        held = self.inverse(q, rates, change)
+        H = self.mass_matrix(q)
+        base = self._solved(H[:6, :6], -held[:6])
+        return held[6:] + H[6:, :6] @ base, base
+
+    def _values(self, what: str, value: ArrayLike, more: int = 0) -> Array:
+        return np.ascontiguousarray(as_single(what, value, (more + self.n,)))
+
+    def _joints(self, q: Array) -> Array:
+        """Put the slides and turns of the base, which are zero, in front of joint values."""
+        return np.concatenate((np.zeros(6), q))
+
+    def _order(self) -> list[int]:
+        """Return where rates of turns, slides and joints are in those of the kernels, and back."""
+        return [3, 4, 5, 0, 1, 2, *range(6, 6 + self.n)]
+
+    def _totals(self, q: ArrayLike, rates: ArrayLike) -> Array:
+        """Mass, first moment (3), momentum about the base's origin (6) and energy, shape (11,)."""
+        out, u = np.empty((1, 11)), self._values("rates", rates, 6)[self._order()]
+        joints = self._joints(self._values("q", q))
+        self._check(mass.totals(self._model, joints[None], u[None], out))
+        return out[0]
+
+    def _solved(self, H: Array, right: Array) -> Array:
+        """Solve with the inertia of all as one body, which a base without mass may lack."""
+        try:
+            return np.asarray(np.linalg.solve(H, right))
+        except np.linalg.LinAlgError:
+            expected = "bodies that resist every motion of the base"
+            raise BadValueError("least inertia of the floating chain", 0.0, expected) from None
+
+    def _check(self, status: int) -> None:
+        if status & ~NOT_FINITE:
+            expected = "bodies that resist every motion"
+            raise BadValueError("least inertia of the floating chain", 0.0, expected)
+        if status:
+            raise BadValueError("result", float("nan"), "arguments that have a finite one")
+
+
+def _turning(u: Array) -> Array:
+    """Return the rate of the angular velocity that three turns in a row have by their rates."""
+    x, y, z = u[:3]
+    return np.array([y * z, -x * z, x * y])
+
+
+def _first_moment(H: Array) -> Array:
+    """Read mass times mass centre from the inertia of all as one body."""
+    return np.array([H[2, 4], H[0, 5], H[1, 3]])

@@ -1,0 +1,369 @@
+"""Motions of a chain on a free base, which keep its momentum: simulated, or led by the tip.
+
+The momentum is a constant of the motion, so the twist of the base follows from joint values and
+rates, and its position from the mass centre, which moves straight on.  Only the orientation and the
+joints are integrated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from robomech_ros.dynamics.floating.chain import FloatingChain
+from robomech_ros.dynamics.friction import friction_model, friction_of_rates
+from robomech_ros.dynamics.model import positive_number
+from robomech_ros.dynamics.simulation.equations_of_motion import RunAwayError
+from robomech_ros.dynamics.simulation.integration import FINISHED, MOST_STEPS
+from robomech_ros.dynamics.simulation.simulate import as_times
+from robomech_ros.errors import BadValueError
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.spatial import (
+    as_pose,
+    matrix_from_quaternion,
+    matrix_from_rotation_vector,
+    pose_error,
+    quaternion_from_matrix,
+    rotation_vector_from_matrix,
+)
+from robomech_ros.spatial.arrays import as_single, check_kind, of_shape, real_array
+from robomech_ros.spatial.poses import assembled
+from robomech_ros.typing import Array, ArrayLike
+
+FloatingTorque = Callable[[float, Array, Array], ArrayLike]
+
+_TOLERANCE = 1e-12
+# Rates within which dry friction goes over from one direction to the other (rad/s or m/s).
+_REST_RATE = 1e-2
+# Rate at which the tip returns to its path, in one over the duration.
+_RETURN = 50.0
+# Part of the greatest singular value of the generalised Jacobian below which it is singular.
+_SINGULAR = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class FloatingMotion:
+    """Motion of a chain of n joints on a free base.
+
+    Attributes
+    ----------
+    t : ndarray, shape (m,)
+        Times (s), as far as the motion came; the start alone where it came to none.
+    poses, tips : ndarray, shape (m, 4, 4)
+        Base and tip in the inertial frame (m).
+    q : ndarray, shape (m, n)
+        Joint values (rad or m).
+    rates : ndarray, shape (m, 6 + n)
+        Twist of the base at its origin and in its axes, then joint rates.
+    momentum : ndarray, shape (m, 6)
+        Angular momentum about the mass centre (kg m^2/s), then linear momentum (kg m/s), in the
+        inertial axes.
+    kinetic, work : ndarray, shape (m,)
+        Kinetic energy, and what drives less friction have put in (J).
+    reason : str
+        ``"finished"``, or why the motion ended before.
+    """
+
+    t: Array
+    poses: Array
+    tips: Array
+    q: Array
+    rates: Array
+    momentum: Array
+    kinetic: Array
+    work: Array
+    reason: str
+
+
+class _Conserved:
+    """Momentum (6,) and mass centre of a chain that floats off from a state."""
+
+    def __init__(self, robot: FloatingChain, pose: Array, q: Array, rates: Array) -> None:
+        self.robot, R = robot, pose[:3, :3]
+        inside = robot.momentum(q, rates)
+        self.momentum = np.concatenate((R @ inside[:3], R @ inside[3:]))
+        self.centre = pose[:3, 3] + R @ robot.center_of_mass(q)
+        self.drift = self.momentum[3:] / robot.mass
+
+    def rates(self, R: Array, q: Array, qd: Array) -> Array:
+        """Return twist of the base and joint rates, (6 + n,), at an orientation."""
+        inside = np.concatenate((R.T @ self.momentum[:3], R.T @ self.momentum[3:]))
+        return self.robot.rates(q, qd, inside)
+
+    def pose(self, t: float, R: Array, q: Array) -> Array:
+        """Return the pose of the base at a time (s)."""
+        away = R @ self.robot.center_of_mass(q)
+        return assembled(R, self.centre + t * self.drift - away)
+
+    def motion(
+        self, t: Array, Q: Array, q: Array, qd: Array, work: Array, why: str
+    ) -> FloatingMotion:
+        """Collect states at times (m,)."""
+        robot, turns = self.robot, _rotation(Q)
+        rates = np.array([self.rates(*one) for one in zip(turns, q, qd, strict=True)])
+        poses = np.array([self.pose(*one) for one in zip(t, turns, q, strict=True)])
+        inside = np.array([robot.momentum(*one) for one in zip(q, rates, strict=True)])
+        whole = np.einsum("mij,mkj->mki", turns, inside.reshape(-1, 2, 3)).reshape(-1, 6)
+        kinetic = np.array([robot.kinetic_energy(*one) for one in zip(q, rates, strict=True)])
+        tips = poses @ forward_kinematics(robot.chain, q)
+        return FloatingMotion(t, poses, tips, q, rates, whole, kinetic, work, why)
+
+
+def simulate_floating(
+    robot: FloatingChain,
+    pose: ArrayLike,
+    q: ArrayLike,
+    rates: ArrayLike,
+    torque: ArrayLike | FloatingTorque | None,
+    duration: float,
+    *,
+    times: ArrayLike | None = None,
+) -> FloatingMotion:
+    """Integrate the motion of a chain on a free base under the torques of its drives.
+
+    Friction of the drives is counted.  No gravity: everything falls freely.
+
+    Parameters
+    ----------
+    robot : FloatingChain
+        Of n joints.
+    pose : array_like, shape (4, 4)
+        Base in the inertial frame (m) at the start.
+    q : array_like, shape (n,)
+        Joint values (rad or m) at the start.
+    rates : array_like, shape (6 + n,)
+        Twist of the base at its origin and in its axes (rad/s, m/s), then joint rates.
+    torque : array_like of shape (n,), callable, or None
+        Of the drives (N m or N): constant, ``torque(t, q, rates)``, or none.
+    duration : float
+        In s.
+    times : array_like, shape (m,), optional
+        When states are recorded (s), increasing from 0 to the duration; default 101 of them.
+
+    Returns
+    -------
+    FloatingMotion
+        The momentum is kept to rounding; energy is an outcome of the integration, whose relative
+        tolerance is 1e-12.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError
+        Not such arguments.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.5.2 and 7.6.3.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.dynamics import FloatingChain, simulate_floating
+    >>> from robomech_ros.robots import Body, load_robot
+    >>> robot = FloatingChain(load_robot("ur5e"), Body(100.0, [0.0, 0.0, 0.0], 10.0 * np.eye(3)))
+    >>> push = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
+    >>> run = simulate_floating(robot, np.eye(4), np.zeros(6), np.zeros(12), push, 1.0)
+    >>> bool(np.abs(run.momentum).max() < 1e-12), run.reason
+    (True, 'finished')
+    """
+    kept, start, qd, grid = _started(robot, pose, q, rates, duration, times)
+    n, drives = robot.n, _as_torque(torque, robot.n)
+    friction = friction_model(robot.chain)
+
+    def change(t: float, state: Array) -> Array:
+        joints, speeds = state[4 : 4 + n], state[4 + n : 4 + 2 * n]
+        u = kept.rates(_rotation(state[:4]), joints, speeds)
+        tau = of_shape("torque", real_array("torque", drives(t, joints, u)), (n,))
+        tau = tau - friction_of_rates(friction, speeds, np.tanh(speeds / _REST_RATE))
+        if not np.isfinite(tau).all():
+            raise RunAwayError(f"the motion ran away: the torque at {t:.6g} s is not finite")
+        found = robot.forward(joints, u, np.concatenate((np.zeros(6), tau)))
+        return np.concatenate((_spun(state[:4], u[:3]), speeds, found[6:], [tau @ speeds]))
+
+    t, states, why = _integrated(change, np.concatenate((start, qd, [0.0])), grid)
+    return kept.motion(
+        t, states[:, :4], states[:, 4 : 4 + n], states[:, 4 + n : -1], states[:, -1], why
+    )
+
+
+def move_floating_tip(
+    robot: FloatingChain,
+    pose: ArrayLike,
+    q: ArrayLike,
+    goal: ArrayLike | None,
+    duration: float,
+    *,
+    rates: ArrayLike | None = None,
+    times: ArrayLike | None = None,
+) -> FloatingMotion:
+    """Lead the tip straight to a pose in inertial space, or hold it, while the base reacts.
+
+    The tip goes by the 3-4-5 polynomial of time and turns about one axis.  Joint rates are the
+    smallest that the generalised Jacobian allows.
+
+    Parameters
+    ----------
+    robot : FloatingChain
+        Of six joints or more.
+    pose : array_like, shape (4, 4)
+        Base in the inertial frame (m) at the start.
+    q : array_like, shape (n,)
+        Joint values (rad or m) at the start.
+    goal : array_like, shape (4, 4), or None
+        Tip in the inertial frame (m) at the end; None holds it where it is.
+    duration : float
+        In s.
+    rates : array_like, shape (6 + n,), optional
+        Motion at the start, whose momentum is kept.  Default at rest.
+    times : array_like, shape (m,), optional
+        As for :func:`simulate_floating`.
+
+    Returns
+    -------
+    FloatingMotion
+        The joint rates lead the tip; ``work`` is what they take of kinetic energy.  The motion ends
+        before where a joint comes to a limit of position or velocity, or the generalised Jacobian
+        becomes singular.
+
+    Raises
+    ------
+    BadValueError, WrongSizeError
+        Not such arguments.
+
+    References
+    ----------
+    Umetani, Yoshida, Resolved motion rate control of space manipulators with generalized Jacobian
+    matrix, IEEE Trans. Robotics and Automation 5, 1989.
+    """
+    given = np.zeros(6 + robot.n) if rates is None else rates
+    kept, start, _, grid = _started(robot, pose, q, given, duration, times)
+    n, chain = robot.n, robot.chain
+    first = as_pose(pose) @ forward_kinematics(chain, start[4:])
+    last = first if goal is None else as_pose(as_single("goal", goal, (4, 4)), what="goal")
+    turn = rotation_vector_from_matrix(last[:3, :3] @ first[:3, :3].T)
+    straight = np.concatenate((turn, last[:3, 3] - first[:3, 3]))
+
+    def joint_rates(t: float, R: Array, joints: Array) -> tuple[Array, bool]:
+        part = min(max(t / duration, 0.0), 1.0)
+        along = part**3 * (10.0 + part * (6.0 * part - 15.0))
+        speed = 30.0 * (part * (1.0 - part)) ** 2 / duration
+        wanted = assembled(
+            matrix_from_rotation_vector(along * turn) @ first[:3, :3],
+            first[:3, 3] + along * straight[3:],
+        )
+        tip = kept.pose(t, R, joints) @ forward_kinematics(chain, joints)
+        twist = speed * straight + _RETURN / duration * pose_error(wanted, tip)
+        inside = np.concatenate((R.T @ twist[:3], R.T @ twist[3:]))
+        adrift = kept.rates(R, joints, np.zeros(n))
+        needed = inside - robot.tip_jacobian(joints) @ adrift
+        found, _, rank, _ = np.linalg.lstsq(
+            robot.generalized_jacobian(joints), needed, rcond=_SINGULAR
+        )
+        return np.asarray(found, dtype=np.float64), bool(rank == 6)
+
+    def change(t: float, state: Array) -> Array:
+        R, joints = _rotation(state[:4]), state[4:]
+        speeds, _ = joint_rates(t, R, joints)
+        return np.concatenate((_spun(state[:4], kept.rates(R, joints, speeds)[:3]), speeds))
+
+    def check(t: float, state: Array) -> None:
+        joints = state[4:]
+        speeds, regular = joint_rates(t, _rotation(state[:4]), joints)
+        if not regular:
+            raise RunAwayError(f"the generalised Jacobian is singular at {t:.6g} s")
+        outside = np.maximum(chain.lower - joints, joints - chain.upper)
+        _stop_at_limit(chain, outside, f"its position limit at {t:.6g} s")
+        _stop_at_limit(chain, np.abs(speeds) - chain.velocity, f"its velocity limit at {t:.6g} s")
+
+    t, states, why = _integrated(change, start, grid, check)
+    joints = states[:, 4:]
+    speeds = np.array(
+        [joint_rates(*one)[0] for one in zip(t, _rotation(states[:, :4]), joints, strict=True)]
+    )
+    found = kept.motion(t, states[:, :4], joints, speeds, np.zeros(len(t)), why)
+    found.work[:] = found.kinetic - found.kinetic[0]
+    return found
+
+
+def _stop_at_limit(chain: SerialChain, beyond: Array, limit: str) -> None:
+    """End the motion where a joint is beyond a limit; NaN stands for no limit."""
+    for joint, excess in zip(chain.joint_names, beyond.tolist(), strict=True):
+        if excess > 0.0:
+            raise RunAwayError(f"joint '{joint}' came to {limit}")
+
+
+def _started(
+    robot: FloatingChain,
+    pose: ArrayLike,
+    q: ArrayLike,
+    rates: ArrayLike,
+    duration: float,
+    times: ArrayLike | None,
+) -> tuple[_Conserved, Array, Array, Array]:
+    """Check a start; give what is conserved, quaternion with joints, joint rates, and times."""
+    check_kind("robot", robot, FloatingChain, "a FloatingChain")
+    T = as_pose(as_single("pose", pose, (4, 4)))
+    joints, u = as_single("q", q, (robot.n,)), as_single("rates", rates, (6 + robot.n,))
+    end = positive_number("duration", duration)
+    grid = as_times(times, end)
+    if grid is None:
+        grid = np.linspace(0.0, end, 101)
+    if not len(grid):
+        raise BadValueError("number of times", 0, "1 or more")
+    kept = _Conserved(robot, T, joints, u)
+    return kept, np.concatenate((quaternion_from_matrix(T[:3, :3]), joints)), u[6:], grid
+
+
+def _integrated(
+    change: Callable[[float, Array], Array],
+    start: Array,
+    grid: Array,
+    check: Callable[[float, Array], None] | None = None,
+) -> tuple[Array, Array, str]:
+    """Integrate from 0 s; give the times that were reached, the states there, and the reason.
+
+    The check of start and steps, and the derivatives, end the motion by a RunAwayError.
+    """
+    from scipy.integrate import DOP853
+
+    t, states, inside, why = [0.0], [start], None, FINISHED
+    try:
+        if check is not None:
+            check(0.0, start)
+        solver = DOP853(change, 0.0, start, grid[-1], rtol=_TOLERANCE, atol=_TOLERANCE)
+        for wanted in grid[1 if grid[0] == 0.0 else 0 :]:
+            for _ in range(MOST_STEPS):
+                if solver.t >= wanted:
+                    break
+                if message := solver.step():
+                    raise RunAwayError(f"the integration failed at {solver.t:.6g} s: {message}")
+                inside = solver.dense_output()
+                if check is not None:
+                    check(solver.t, solver.y)
+            t.append(float(wanted))
+            states.append(start if inside is None else inside(wanted))
+    except RunAwayError as error:
+        why = str(error)
+    keep = 1 if grid[0] > 0.0 and len(t) > 1 else 0
+    return np.array(t[keep:]), np.array(states[keep:]), why
+
+
+def _as_torque(torque: ArrayLike | FloatingTorque | None, n: int) -> FloatingTorque:
+    if callable(torque):
+        return torque
+    constant = np.zeros(n) if torque is None else as_single("torque", torque, (n,))
+    return lambda t, q, rates: constant
+
+
+def _rotation(Q: Array) -> Array:
+    """Return rotation matrices of quaternions (..., 4) whose norms have drifted."""
+    return matrix_from_quaternion(Q / np.linalg.norm(Q, axis=-1, keepdims=True))
+
+
+def _spun(Q: Array, w: Array) -> Array:
+    """Return the derivative of a quaternion (4,) for an angular velocity in its own axes."""
+    vector = 0.5 * (Q[3] * w + np.cross(Q[:3], w))
+    return np.concatenate((vector, [-0.5 * (Q[:3] @ w)]))

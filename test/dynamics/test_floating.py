@@ -1,0 +1,189 @@
+"""A chain on a free base: against Pinocchio's free flyer, and against its own simulation."""
+
+import numpy as np
+import pinocchio
+import pytest
+from arms_with_bodies import pinocchio_of
+
+from robomech_ros.dynamics import FloatingChain, move_floating_tip, simulate_floating
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.robots import Body, load_robot
+from robomech_ros.spatial import pose_error, pose_exponential, quaternion_from_matrix
+
+ARMS = ("canadarm2", "ur5e", "planar3r")
+# A spacecraft of nine tons.
+BODY = Body(9e3, [0.1, -0.2, -2.0], [[9e4, 3e3, 6e3], [3e3, 7e4, -3e3], [6e3, -3e3, 6e4]])
+POSE = pose_exponential([0.4, -0.9, 0.3, 1.0, 2.0, -0.5])
+# Pinocchio has the linear part of twists and wrenches first.
+LINEAR_FIRST = [3, 4, 5, 0, 1, 2]
+
+
+@pytest.fixture(scope="module")
+def arm():
+    return FloatingChain(load_robot("canadarm2"), BODY)
+
+
+def of_pinocchio(robot):
+    """Return the model with a free flyer, data, and the places of our numbers in its vectors."""
+    model = pinocchio_of(robot.chain, gravity=(0, 0, 0), root=pinocchio.JointModelFreeFlyer())
+    inertia = pinocchio.Inertia(BODY.mass, np.array(BODY.com), np.array(BODY.inertia))
+    model.appendBodyToJoint(1, inertia, pinocchio.SE3.Identity())
+    return model, model.createData(), [*LINEAR_FIRST, *range(6, 6 + robot.n)]
+
+
+def configuration(pose, q):
+    return np.concatenate((pose[:3, 3], quaternion_from_matrix(pose[:3, :3]), q))
+
+
+def state(robot, seed=3, size=1.0):
+    rng = np.random.default_rng(seed)
+    q = robot.chain.home() + rng.uniform(-0.5, 0.5, robot.n)
+    return q, *(size * rng.uniform(-1.0, 1.0, (2, 6 + robot.n)))
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_dynamics_and_momentum_are_those_of_pinocchios_free_flyer(name):
+    robot = FloatingChain(load_robot(name), BODY)
+    q, u, du = state(robot)
+    model, data, order = of_pinocchio(robot)
+    at, v, a = configuration(POSE, q), u[order], du[order]
+    M = np.triu(pinocchio.crba(model, data, at))
+    M = M + np.triu(M, 1).T
+    np.testing.assert_allclose(robot.mass_matrix(q), M[np.ix_(order, order)], atol=1e-9 * M.max())
+    efforts = pinocchio.rnea(model, data, at, v, a)[order]
+    scale = np.abs(efforts).max()
+    np.testing.assert_allclose(robot.inverse(q, u, du), efforts, atol=1e-11 * scale)
+    found = pinocchio.aba(model, data, at, v, efforts[order])[order]
+    np.testing.assert_allclose(robot.forward(q, u, efforts), found, atol=1e-9)
+    pinocchio.computeCentroidalMap(model, data, at)
+    whole = (data.Ag @ v)[LINEAR_FIRST].reshape(2, 3) @ POSE[:3, :3]
+    pinocchio.ccrba(model, data, at, v)
+    inside = robot.momentum(q, u)
+    np.testing.assert_allclose(inside, whole.ravel(), atol=1e-11 * np.abs(whole).max())
+    np.testing.assert_allclose(data.hg.vector[:3], POSE[:3, :3] @ inside[3:], atol=1e-9)
+    centre = POSE[:3, :3] @ robot.center_of_mass(q) + POSE[:3, 3]
+    np.testing.assert_allclose(centre, data.com[0], atol=1e-12)
+    energy = pinocchio.computeKineticEnergy(model, data, at, v)
+    spins = sum(d.reflected_inertia * w**2 for d, w in zip(robot.chain.drives, u[6:], strict=True))
+    assert robot.kinetic_energy(q, u) == pytest.approx(energy + 0.5 * spins, rel=1e-9)
+
+
+def test_loads_and_gravity_are_those_of_the_fixed_chain(arm):
+    q, u, du = state(arm)
+    pulled = {"gravity": [1.0, -2.0, -9.0], "tip_wrench": [5.0, 4.0, 3.0, 2.0, 1.0, 6.0]}
+    efforts = arm.inverse(q, u, du, **pulled)
+    np.testing.assert_allclose(arm.forward(q, u, efforts, **pulled), du, atol=1e-10)
+    left = arm.inverse(q, 0 * u, 0 * du, **pulled)
+    load = arm.tip_jacobian(q).T @ pulled["tip_wrench"]
+    weight = arm.mass_matrix(q)[:, 3:6] @ pulled["gravity"]
+    np.testing.assert_allclose(left, -load - weight, atol=1e-8)
+
+
+def test_momentum_and_energy_stay_over_a_minute(arm):
+    q, u, _ = state(arm, size=0.03)
+    run = simulate_floating(arm, POSE, q, u, None, 60.0, times=np.linspace(0.0, 60.0, 13))
+    assert run.reason == "finished"
+    assert np.abs(run.momentum - run.momentum[0]).max() < 1e-10
+    assert np.ptp(run.kinetic) < 1e-10 * run.kinetic[0]
+    # Momentum, energy and mass centre again, by Pinocchio, from nothing but the states.
+    model, data, order = of_pinocchio(arm)
+    centres = []
+    for pose, at, rates, energy in zip(run.poses, run.q, run.rates, run.kinetic, strict=True):
+        q, v = configuration(pose, at), rates[order]
+        pinocchio.ccrba(model, data, q, v)
+        np.testing.assert_allclose(data.hg.vector[LINEAR_FIRST], run.momentum[0], atol=1e-10)
+        assert pinocchio.computeKineticEnergy(model, data, q, v) == pytest.approx(energy, abs=1e-9)
+        centres.append(data.com[0].copy())
+    path = centres[0] + np.outer(run.t, run.momentum[0, 3:] / arm.mass)
+    np.testing.assert_allclose(centres, path, atol=1e-10)
+
+
+def test_a_simulation_follows_the_equations_of_pinocchio(arm):
+    """Differences of simulated rates are accelerations, and work is what the drives put in."""
+    q, u, _ = state(arm, size=0.1)
+    push = np.array([40.0, -90.0, 70.0, 60.0, -30.0, 20.0, 10.0])
+    h = 1e-3
+    grid = [0.0, 1.0 - h, 1.0, 1.0 + h, 2.0]
+    run = simulate_floating(arm, POSE, q, u, lambda t, q, u: push * np.cos(t), 2.0, times=grid)
+    model, data, order = of_pinocchio(arm)
+    efforts = np.concatenate((np.zeros(6), push * np.cos(1.0)))
+    at = configuration(run.poses[2], run.q[2])
+    expected = pinocchio.aba(model, data, at, run.rates[2][order], efforts)[order]
+    differences = (run.rates[3] - run.rates[1]) / (2.0 * h)
+    np.testing.assert_allclose(differences, expected, atol=1e-6 * np.abs(expected).max())
+    turned = pose_error(run.poses[3], run.poses[1])[:3] / (2.0 * h)
+    np.testing.assert_allclose(run.poses[2][:3, :3] @ run.rates[2][:3], turned, atol=1e-6)
+    assert run.work[-1] == pytest.approx(run.kinetic[-1] - run.kinetic[0], rel=1e-9)
+    torques, base = arm.torques(run.q[2], run.rates[2], expected[6:])
+    np.testing.assert_allclose(torques, efforts[6:], atol=1e-8)
+    np.testing.assert_allclose(base, expected[:6], atol=1e-11)
+
+
+def test_the_generalised_jacobian_is_what_the_tip_of_a_simulation_does(arm):
+    q, u, _ = state(arm, size=0.05)
+    u = arm.rates(q, u[6:])
+    h = 1e-3
+    run = simulate_floating(arm, POSE, q, u, None, 2 * h, times=[0.0, h, 2 * h])
+    twist = pose_error(run.tips[2], run.tips[0]) / (2.0 * h)
+    R = run.poses[1][:3, :3]
+    expected = arm.generalized_jacobian(run.q[1]) @ run.rates[1][6:]
+    np.testing.assert_allclose(twist, (R @ expected.reshape(2, 3).T).T.ravel(), atol=1e-7)
+
+
+@pytest.mark.parametrize(("still", "count"), [("pose", 1), ("orientation", 4)])
+def test_reactionless_rates_leave_the_base_still(arm, still, count):
+    q, _, _ = state(arm)
+    basis = arm.reactionless(q, still)
+    assert basis.shape == (7, count)
+    for rates in basis.T:
+        twist = arm.rates(q, rates)[:6]
+        assert np.abs(twist if still == "pose" else twist[:3]).max() < 1e-12
+
+
+def test_the_tip_is_held_and_led_straight_in_inertial_space(arm):
+    q = arm.chain.home()
+    # The base drifts and turns while the tip is held.
+    start = arm.rates(q, np.zeros(7), momentum=[90.0, -60.0, 30.0, 60.0, -30.0, 60.0])
+    held = move_floating_tip(arm, POSE, q, None, 30.0, rates=start)
+    assert held.reason == "finished"
+    assert np.abs(pose_error(held.tips, held.tips[:1])).max() < 1e-8
+    assert np.linalg.norm(held.poses[-1][:3, 3] - held.poses[0][:3, 3]) > 0.01
+    assert np.abs(held.momentum - held.momentum[0]).max() < 1e-10
+    first = POSE @ forward_kinematics(arm.chain, q)
+    goal = pose_exponential([0.1, 0.2, -0.1, 0.0, 0.0, 0.0]) @ first
+    goal[:3, 3] = first[:3, 3] + [0.8, -0.6, 0.5]
+    led = move_floating_tip(arm, POSE, q, goal, 60.0)
+    assert led.reason == "finished"
+    assert np.abs(pose_error(goal, led.tips[-1])).max() < 1e-9
+    way, line = led.tips[:, :3, 3] - first[:3, 3], np.array([0.8, -0.6, 0.5])
+    assert np.abs(np.cross(way, line / np.linalg.norm(line))).max() < 1e-8
+    assert np.abs(led.momentum).max() < 1e-10
+    assert pose_error(led.poses[-1], POSE)[3:] @ line < 0.0
+    # Too far: the arm stretches out.
+    goal[:3, 3] += [60.0, 0.0, 0.0]
+    lost = move_floating_tip(arm, POSE, q, goal, 600.0)
+    assert 0 < len(lost.t) < 101
+    assert "singular" in lost.reason or "limit" in lost.reason
+
+
+def test_wrong_arguments_are_named(arm):
+    q, u = arm.chain.home(), np.zeros(13)
+    with pytest.raises(BadValueError, match="base"):
+        FloatingChain(arm.chain, Body(0.0, [0, 0, 0], np.eye(3)))
+    with pytest.raises(BadValueError, match="chain"):
+        FloatingChain("ur5e")
+    with pytest.raises(WrongSizeError, match="rates"):
+        arm.momentum(q, u[:6])
+    with pytest.raises(NonFiniteError, match="momentum"):
+        arm.rates(q, q, momentum=[np.nan] * 6)
+    with pytest.raises(BadValueError, match="still"):
+        arm.reactionless(q, "tip")
+    with pytest.raises(WrongSizeError, match="torque"):
+        simulate_floating(arm, POSE, q, u, lambda t, q, u: [1.0], 1.0)
+    with pytest.raises(BadValueError, match="duration"):
+        simulate_floating(arm, POSE, q, u, None, -1.0)
+    with pytest.raises(BadValueError, match="robot"):
+        move_floating_tip(arm.chain, POSE, q, None, 1.0)
+    end = simulate_floating(arm, POSE, q, u, lambda t, q, u: np.full(7, np.inf), 1.0)
+    assert "not finite" in end.reason
