@@ -24,6 +24,7 @@ from robomech_ros._kernels.dynamics import (
 )
 from robomech_ros.dynamics import (
     ControlledArm,
+    FloatingChain,
     forward_dynamics,
     gravity_torque,
     inverse_dynamics,
@@ -31,13 +32,14 @@ from robomech_ros.dynamics import (
     mass_matrix,
 )
 from robomech_ros.dynamics.model import GRAVITY, dynamic_model, surroundings
-from robomech_ros.robots import SerialChain, load_robot
+from robomech_ros.robots import Body, SerialChain, load_robot
 
 BATCH = 500
 SINGLES = 50
 AGREEMENT = 1e-9
 KERNEL_RATIO = 1.0
 BATCH_RATIO = 0.5
+FLOATING_RATIO = 1.5
 ABOVE_KERNEL = 2.0
 MINUTE = 60.0
 
@@ -127,7 +129,34 @@ def rows() -> list[Row]:
             timing = times[key]
             spread = timing.spread
             found.append(Row(f"{name}, {what}", timing.median, spread=spread, **against, **target))
-    return [*found, simulated_minute(chain)]
+    return [*found, *floating(load_robot("canadarm2")), simulated_minute(chain)]
+
+
+def floating(arm: SerialChain) -> list[Row]:
+    """Time the public functions of an arm on a free base against those of the fixed arm."""
+    robot = FloatingChain(arm, Body(9000.0, [0.0, 0.0, -2.0], 7e4 * np.eye(3)))
+    q, (u, du) = arm.home(), np.random.default_rng(7).uniform(-0.1, 0.1, (2, 6 + arm.n))
+    qd, qdd = u[6:].copy(), du[6:].copy()
+    found = []
+    for name, free, fixed in (
+        ("inverse", robot.inverse, inverse_dynamics),
+        ("forward", robot.forward, forward_dynamics),
+    ):
+        works = {
+            "free": Work(lambda f=free: _each(f, [(q, u, du)] * SINGLES), SINGLES),
+            "fixed": Work(lambda f=fixed: _each(f, [(arm, q, qd, qdd)] * SINGLES), SINGLES),
+        }
+        times = interleave(works)
+        row = Row(
+            f"{name} dynamics of Canadarm2 on a free base",
+            times["free"].median,
+            spread=times["free"].spread,
+            peer=times["fixed"].median,
+            peer_name="on a fixed base",
+            ratio_limit=FLOATING_RATIO,
+        )
+        found.append(row)
+    return found
 
 
 def _each(function: Callable, arguments: list[tuple]) -> None:

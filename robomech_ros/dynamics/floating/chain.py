@@ -6,25 +6,27 @@ import numpy as np
 
 from robomech_ros._kernels.chain.serial import NOT_FINITE
 from robomech_ros._kernels.compiling.jit import direct
-from robomech_ros._kernels.dynamics import forward as forward_kernels, inverse, mass
+from robomech_ros._kernels.dynamics import floating
 from robomech_ros._kernels.dynamics.layout import MASS, MODEL_WIDTH, ROTOR
+from robomech_ros._kernels.dynamics.mass import totals
 from robomech_ros.dynamics.model import body_rows, dynamic_model, surroundings
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots.bodies import Body, possible_body
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE
-from robomech_ros.spatial.arrays import as_choice, as_single
+from robomech_ros.spatial.arrays import as_choice, as_single, real_array
 from robomech_ros.typing import Array, ArrayLike
 
 STILL = ("pose", "orientation")
 WEIGHTLESS = (0.0, 0.0, 0.0)
+_NOTHING = surroundings((6,), WEIGHTLESS)
+_NOTHING.setflags(write=False)
 
-_inverse = direct(inverse.inverse_dynamics_one)
-_forward = direct(forward_kernels.forward_dynamics_one)
-_mass = direct(mass.mass_matrix_one)
+_inverse, _forward = direct(floating.floating_inverse), direct(floating.floating_forward)
+_mass = direct(floating.floating_mass)
 # Turns x to y, y to z and z to x: three slides, then three turns, along x, y and z.
 _NEXT_AXIS = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 # Part of the greatest singular value below which one is zero.
@@ -43,8 +45,6 @@ class FloatingChain:
 
        \begin{bmatrix} H_b & H_{bm} \\ H_{bm}^T & H_m \end{bmatrix} \dot u + h(q, u)
        = \begin{bmatrix} w \\ \tau \end{bmatrix}, \qquad \mu = H_b t_b + H_{bm} \dot q
-
-    The kernels of chains compute all of it: the base has three slides and three turns at zero.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ class FloatingChain:
             packed = [body.mass, *body.com, *body.inertia[np.triu_indices(3)]]
             model[5, MASS:ROTOR] = body_rows(np.array([packed]))[0]
         model.setflags(write=False)
-        self.chain, self.base, self._model = chain, base, model
+        self.chain, self.base, self._models = chain, base, model[None]
 
     @property
     def n(self) -> int:
@@ -99,7 +99,7 @@ class FloatingChain:
     @property
     def mass(self) -> float:
         """Mass of base and links (kg)."""
-        return float(self._model[:, MASS].sum())
+        return float(self._models[0, :, MASS].sum())
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         """Compute the generalised inertia of the rates u, shape (6 + n, 6 + n).
@@ -110,9 +110,9 @@ class FloatingChain:
             Joint values (rad or m).
         """
         M = np.empty((6 + self.n, 6 + self.n))
-        self._check(_mass(self._model, self._joints(self._values("q", q)), M))
-        order = self._order()
-        return M[np.ix_(order, order)]
+        values = self._values("q", q)
+        self._check(_mass(self._models, values[None], M), q=values)
+        return M
 
     def momentum(self, q: ArrayLike, rates: ArrayLike) -> Array:
         """Compute the momentum of base and links about their mass centre, shape (6,).
@@ -246,14 +246,10 @@ class FloatingChain:
         """
         values, u = self._values("q", q), self._values("rates", rates, 6)
         change = self._values("accelerations", accelerations, 6)
-        around = surroundings((6 + self.n,), gravity, tip_wrench)
-        slides = change.copy()
-        slides[:3] -= _turning(u)
-        slides[3:6] += np.cross(u[:3], u[3:6])
-        order, out = self._order(), np.empty(6 + self.n)
-        given = self._joints(values), u[order], slides[order]
-        self._check(_inverse(self._model, *given, around, out))
-        return out[order]
+        around, out = _surroundings(gravity, tip_wrench), np.empty(6 + self.n)
+        status = _inverse(self._models, values[None], u, change, around, out)
+        self._check(status, q=values, rates=u, accelerations=change)
+        return out
 
     def forward(
         self,
@@ -283,14 +279,10 @@ class FloatingChain:
         """
         values, u = self._values("q", q), self._values("rates", rates, 6)
         given = self._values("efforts", efforts, 6)
-        around = surroundings((6 + self.n,), gravity, tip_wrench)
-        order, out = self._order(), np.empty(6 + self.n)
-        state = self._joints(values), u[order], given[order]
-        self._check(_forward(self._model, *state, around, out))
-        found = out[order]
-        found[:3] += _turning(u)
-        found[3:6] -= np.cross(u[:3], u[3:6])
-        return found
+        around, out = _surroundings(gravity, tip_wrench), np.empty(6 + self.n)
+        status = _forward(self._models[0], values, u, given, around, out)
+        self._check(status, q=values, rates=u, efforts=given)
+        return out
 
     def torques(self, q: ArrayLike, rates: ArrayLike, qdd: ArrayLike) -> tuple[Array, Array]:
         """Compute the torques that joint accelerations take while the base floats.
@@ -316,21 +308,19 @@ class FloatingChain:
         return held[6:] + H[6:, :6] @ base, base
 
     def _values(self, what: str, value: ArrayLike, more: int = 0) -> Array:
-        return np.ascontiguousarray(as_single(what, value, (more + self.n,)))
-
-    def _joints(self, q: Array) -> Array:
-        """Put the slides and turns of the base, which are zero, in front of joint values."""
-        return np.concatenate((np.zeros(6), q))
-
-    def _order(self) -> list[int]:
-        """Return where rates of turns, slides and joints are in those of the kernels, and back."""
-        return [3, 4, 5, 0, 1, 2, *range(6, 6 + self.n)]
+        """Return numbers of all joints, and of the base, finite or not, for the kernels."""
+        array = np.ascontiguousarray(real_array(what, value))
+        if array.shape != (more + self.chain.n,):
+            raise WrongSizeError(what, array.shape, f"({more + self.chain.n},)")
+        return array
 
     def _totals(self, q: ArrayLike, rates: ArrayLike) -> Array:
         """Mass, first moment (3), momentum about the base's origin (6) and energy, shape (11,)."""
-        out, u = np.empty((1, 11)), self._values("rates", rates, 6)[self._order()]
-        joints = self._joints(self._values("q", q))
-        self._check(mass.totals(self._model, joints[None], u[None], out))
+        values, u = self._values("q", q), self._values("rates", rates, 6)
+        out, joints = np.empty((1, 11)), np.concatenate((np.zeros(6), values))
+        moving = np.concatenate((u[3:6], u[:3], u[6:]))
+        status = totals(self._models[0], joints[None], moving[None], out)
+        self._check(status, q=values, rates=u)
         return out[0]
 
     def _solved(self, H: Array, right: Array) -> Array:
@@ -341,18 +331,26 @@ class FloatingChain:
             expected = "bodies that resist every motion of the base"
             raise BadValueError("least inertia of the floating chain", 0.0, expected) from None
 
-    def _check(self, status: int) -> None:
+    def _check(self, status: int, **given: Array) -> None:
+        """Raise the error for the status of a kernel that was given these arrays."""
+        if not status:
+            return
+        for what, array in given.items():
+            if not np.isfinite(array).all():
+                raise NonFiniteError(what, array)
         if status & ~NOT_FINITE:
             expected = "bodies that resist every motion"
             raise BadValueError("least inertia of the floating chain", 0.0, expected)
-        if status:
-            raise BadValueError("result", float("nan"), "arguments that have a finite one")
+        what, array = max(given.items(), key=lambda one: np.abs(one[1]).max())
+        largest = float(np.abs(array).max())
+        raise BadValueError(f"largest of {what}", largest, "values with a finite result")
 
 
-def _turning(u: Array) -> Array:
-    """Return the rate of the angular velocity that three turns in a row have by their rates."""
-    x, y, z = u[:3]
-    return np.array([y * z, -x * z, x * y])
+def _surroundings(gravity: ArrayLike, tip_wrench: ArrayLike | None) -> Array:
+    """Lay out what surrounds the chain for the kernels, nothing in most calls."""
+    if gravity is WEIGHTLESS and tip_wrench is None:
+        return _NOTHING
+    return surroundings((6,), gravity, tip_wrench)
 
 
 def _first_moment(H: Array) -> Array:
