@@ -15,6 +15,12 @@ feet::
         joints:
           - {name: coxa, axis: [0, 0, 1], point: [0.1, 0.1, 0], lower: -1, upper: 1, velocity: 6}
 
+A joint may have its ``effort`` (N m) and the ``body`` that it moves, and the document the
+``trunk_body``, as robots of Denavit-Hartenberg tables have them, in the axes of the trunk and from
+its origin where all joints are at zero::
+
+    trunk_body: {mass: 4.8, com: [0, 0, 0], inertia: {ixx: 0.02, iyy: 0.04, izz: 0.04}}
+
 or a document names a URDF beside it, in place of the joints; its masses give the mass centre::
 
     urdf: robot.urdf
@@ -33,9 +39,11 @@ from typing import Any
 import numpy as np
 
 from robomech_ros.errors import RobomechError, RobotDescriptionError
+from robomech_ros.kinematics.forward_uncompiled import link_transforms
 from robomech_ros.parallel.mechanism.limb import Axis, chain_of_axes
-from robomech_ros.robots import RobotDescription, SerialChain, load_description
+from robomech_ros.robots import Body, RobotDescription, SerialChain, load_description
 from robomech_ros.robots.documents.guarded_yaml import check_keys
+from robomech_ros.robots.documents.yaml_bodies import body_from_yaml
 from robomech_ros.robots.documents.yaml_rows import (
     read_number,
     read_positive,
@@ -43,7 +51,7 @@ from robomech_ros.robots.documents.yaml_rows import (
     read_text,
 )
 from robomech_ros.robots.robot_kinds import checked_document, names_of, source_of
-from robomech_ros.spatial.poses import assembled
+from robomech_ros.spatial.poses import assembled, rigid_inverse
 from robomech_ros.typing import Array
 from robomech_ros.walking.robot import LeggedRobot
 
@@ -84,7 +92,7 @@ def load_legged(name_or_path: str | os.PathLike[str]) -> LeggedRobot:
     ('FL', 'FR', 'RL', 'RR')
     """
     text, where = source_of("walking", name_or_path)
-    optional = ("trunk", "mass_centre", "urdf")
+    optional = ("trunk", "mass_centre", "urdf", "trunk_body")
     document = checked_document("walking", text, where, ("legs",), optional)
     rows = document["legs"]
     if not isinstance(rows, list) or not rows:
@@ -104,6 +112,7 @@ def load_legged(name_or_path: str | os.PathLike[str]) -> LeggedRobot:
             name=document["name"],
             source=document["source"],
             tree=tree,
+            trunk_body=_body(document, "trunk_body", where),
         )
     except RobotDescriptionError:
         raise
@@ -141,16 +150,32 @@ def _leg_of_axes(row: Mapping[str, Any], name: str, trunk: str, place: str) -> S
         read_positive(joint["velocity"], "velocity", f"{place}: joint {k + 1}")
         for k, joint in enumerate(joints)
     ]
+    efforts = [
+        read_positive(joint["effort"], "effort", f"{place}: joint {k + 1}")
+        if "effort" in joint
+        else np.nan
+        for k, joint in enumerate(joints)
+    ]
+    given = [_body(joint, "body", f"{place}: joint {k + 1}") for k, joint in enumerate(joints)]
     foot = assembled(np.eye(3), _numbers(row["foot"], f"{place}: foot", 3))
     chain = chain_of_axes(name, axes, foot, f"{name}_foot")
     first, second, *others = chain.frames
     frames = (replace(first, name=trunk), replace(second, parent=trunk), *others)
-    return replace(chain, base=trunk, frames=frames, velocity=np.array(speeds))
+    bodies = [
+        body and body.expressed_in(rigid_inverse(T))
+        for body, T in zip(given, link_transforms(chain, np.zeros(3)), strict=False)
+    ]
+    limits = {"velocity": np.array(speeds), "effort": np.array(efforts)}
+    return replace(chain, base=trunk, frames=frames, bodies=tuple(bodies), **limits)
+
+
+def _body(row: Mapping[str, Any], key: str, where: str) -> Body | None:
+    return body_from_yaml(row[key], f"{where}: {key}") if key in row else None
 
 
 def _axis(joint: object, leg: str, where: str) -> Axis:
     needed = ("name", "axis", "point", "lower", "upper", "velocity")
-    row = check_keys(joint, where, needed, ())
+    row = check_keys(joint, where, needed, ("effort", "body"))
     name = f"{leg}_{read_text(row['name'], f'{where}: name')}"
     axis = _numbers(row["axis"], f"{where}: axis", 3)
     length = float(np.linalg.norm(axis))

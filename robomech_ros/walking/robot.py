@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -14,8 +14,8 @@ from robomech_ros.errors import BadValueError, SeedOutsideLimitsError
 from robomech_ros.kinematics import InverseKinematicsResult, forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.parallel import Mechanism
-from robomech_ros.parallel.mechanism.tree import tree_of_limbs
-from robomech_ros.robots import RobotDescription, SerialChain, urdf_from_description
+from robomech_ros.parallel.mechanism.tree import links_of_joints, tree_of_limbs
+from robomech_ros.robots import Body, RobotDescription, SerialChain, urdf_from_description
 from robomech_ros.robots.bodies import combine_bodies
 from robomech_ros.spatial.arrays import as_choice, as_single, check_kind, listed
 from robomech_ros.spatial.poses import inverse_pose
@@ -50,6 +50,9 @@ class LeggedRobot:
         Where the numbers come from.
     tree : RobotDescription, optional
         The URDF that the legs were taken from.
+    trunk_body : Body, optional
+        What is fixed to the trunk, in its frame.  Default that of ``tree``: all but the legs, other
+        joints at home.
 
     Raises
     ------
@@ -74,6 +77,7 @@ class LeggedRobot:
         name: str = "legged",
         source: str = "",
         tree: RobotDescription | None = None,
+        trunk_body: Body | None = None,
     ) -> None:
         if not isinstance(legs, Mapping) or not all(isinstance(one, str) for one in legs):
             raise BadValueError("legs", legs, "chains by the names of the legs")
@@ -99,6 +103,7 @@ class LeggedRobot:
         self.lower = np.concatenate([leg.lower for leg in self.legs])
         self.upper = np.concatenate([leg.upper for leg in self.legs])
         self.velocity = np.concatenate([leg.velocity for leg in self.legs])
+        self.effort = np.concatenate([leg.effort for leg in self.legs])
         # Alike for all legs where nothing is given.
         own = [leg.midrange() if leg.home_given is None else leg.home() for leg in self.legs]
         self.home = np.concatenate(own) if home is None else self.joints(home, "home").flatten()
@@ -107,20 +112,34 @@ class LeggedRobot:
         ):
             if not lower <= value <= upper:
                 raise SeedOutsideLimitsError(joint, value, lower, upper, "home")
+        check_kind("trunk_body", trunk_body, Body | None, "a Body")
+        self.trunk_body = self._rest_of_tree() if trunk_body is None else trunk_body
         centre = self._mass_centre_at_home() if mass_centre is None else mass_centre
         self.mass_centre = as_single("mass_centre", centre, (3,)).copy()
 
     def _mass_centre_at_home(self) -> Array:
         """Compute the mass centre of all links of the tree in the trunk (m), shape (3,)."""
-        bodies = {} if self._tree is None else self._tree.bodies
-        if not bodies:
-            return np.zeros(3)
+        whole = self._combined(() if self._tree is None else self._tree.bodies)
+        return np.zeros(3) if whole is None else whole.com
+
+    def _rest_of_tree(self) -> Body | None:
+        """Combine all links of the tree that no leg moves, at home and in the trunk."""
+        if self._tree is None:
+            return None
+        moved = {
+            link
+            for leg in self.legs
+            for first in links_of_joints(leg)[:1]
+            for link in (first, *self._tree.links_below(first))
+        }
+        return self._combined([link for link in self._tree.bodies if link not in moved])
+
+    def _combined(self, links: Iterable[str]) -> Body | None:
+        """Make one body of some links of the tree, at home and in the trunk."""
         poses = self.description.link_poses(self.description.home)
         back = inverse_pose(poses[self.trunk])
-        whole = combine_bodies(
-            body.expressed_in(back @ poses[link]) for link, body in bodies.items()
-        )
-        return np.zeros(3) if whole is None else whole.com
+        bodies = self.description.bodies
+        return combine_bodies([bodies[link].expressed_in(back @ poses[link]) for link in links])
 
     @property
     def n(self) -> int:

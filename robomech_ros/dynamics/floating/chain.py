@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from robomech_ros._kernels.chain.serial import NOT_FINITE
@@ -79,17 +81,7 @@ class FloatingChain:
     def __init__(self, chain: SerialChain, base: Body | None = None) -> None:
         check_chain(chain)
         chain.require_uncoupled()
-        of_joints = dynamic_model(chain)
-        model = np.zeros((6 + len(of_joints), MODEL_WIDTH))
-        model[:6, 0] = [PRISMATIC] * 3 + [REVOLUTE] * 3
-        model[:6, 1:10] = _NEXT_AXIS.ravel()
-        model[6:] = of_joints
-        if base is not None:
-            body = possible_body("base", base)
-            packed = [body.mass, *body.com, *body.inertia[np.triu_indices(3)]]
-            model[5, MASS:ROTOR] = body_rows(np.array([packed]))[0]
-        model.setflags(write=False)
-        self.chain, self.base, self._models = chain, base, model[None]
+        self.chain, self.base, self._models = chain, base, floating_models([chain], base)
 
     @property
     def n(self) -> int:
@@ -109,10 +101,7 @@ class FloatingChain:
         q : array_like, shape (n,)
             Joint values (rad or m).
         """
-        M = np.empty((6 + self.n, 6 + self.n))
-        values = self._values("q", q)
-        self._check(_mass(self._models, values[None], M), q=values)
-        return M
+        return floating_inertia(self._models, self._values("q", q)[None])
 
     def momentum(self, q: ArrayLike, rates: ArrayLike) -> Array:
         """Compute the momentum of base and links about their mass centre, shape (6,).
@@ -246,10 +235,7 @@ class FloatingChain:
         """
         values, u = self._values("q", q), self._values("rates", rates, 6)
         change = self._values("accelerations", accelerations, 6)
-        around, out = _surroundings(gravity, tip_wrench), np.empty(6 + self.n)
-        status = _inverse(self._models, values[None], u, change, around, out)
-        self._check(status, q=values, rates=u, accelerations=change)
-        return out
+        return floating_efforts(self._models, values[None], u, change, gravity, tip_wrench)
 
     def forward(
         self,
@@ -281,7 +267,7 @@ class FloatingChain:
         given = self._values("efforts", efforts, 6)
         around, out = _surroundings(gravity, tip_wrench), np.empty(6 + self.n)
         status = _forward(self._models[0], values, u, given, around, out)
-        self._check(status, q=values, rates=u, efforts=given)
+        _check(status, q=values, rates=u, efforts=given)
         return out
 
     def torques(self, q: ArrayLike, rates: ArrayLike, qdd: ArrayLike) -> tuple[Array, Array]:
@@ -320,7 +306,7 @@ class FloatingChain:
         out, joints = np.empty((1, 11)), np.concatenate((np.zeros(6), values))
         moving = np.concatenate((u[3:6], u[:3], u[6:]))
         status = totals(self._models[0], joints[None], moving[None], out)
-        self._check(status, q=values, rates=u)
+        _check(status, q=values, rates=u)
         return out[0]
 
     def _solved(self, H: Array, right: Array) -> Array:
@@ -331,19 +317,57 @@ class FloatingChain:
             expected = "bodies that resist every motion of the base"
             raise BadValueError("least inertia of the floating chain", 0.0, expected) from None
 
-    def _check(self, status: int, **given: Array) -> None:
-        """Raise the error for the status of a kernel that was given these arrays."""
-        if not status:
-            return
-        for what, array in given.items():
-            if not np.isfinite(array).all():
-                raise NonFiniteError(what, array)
-        if status & ~NOT_FINITE:
-            expected = "bodies that resist every motion"
-            raise BadValueError("least inertia of the floating chain", 0.0, expected)
-        what, array = max(given.items(), key=lambda one: np.abs(one[1]).max())
-        largest = float(np.abs(array).max())
-        raise BadValueError(f"largest of {what}", largest, "values with a finite result")
+
+def floating_models(chains: Sequence[SerialChain], base: Body | None) -> Array:
+    """Lay out chains of n joints on one base for the kernels, shape (k, 7 + n, 24)."""
+    models = np.zeros((len(chains), 7 + chains[0].n, MODEL_WIDTH))
+    models[:, :6, 0] = [PRISMATIC] * 3 + [REVOLUTE] * 3
+    models[:, :6, 1:10] = _NEXT_AXIS.ravel()
+    for model, chain in zip(models, chains, strict=True):
+        model[6:] = dynamic_model(chain)
+    if base is not None:
+        body = possible_body("base", base)
+        packed = [body.mass, *body.com, *body.inertia[np.triu_indices(3)]]
+        models[0, 5, MASS:ROTOR] = body_rows(np.array([packed]))[0]
+    models.setflags(write=False)
+    return models
+
+
+def floating_inertia(models: Array, q: Array) -> Array:
+    """Compute the inertia (6 + k n, 6 + k n) of chains on one base at q (k, n)."""
+    M = np.empty((6 + q.size, 6 + q.size))
+    _check(_mass(models, q, M), q=q)
+    return M
+
+
+def floating_efforts(
+    models: Array,
+    q: Array,
+    u: Array,
+    du: Array,
+    gravity: ArrayLike,
+    tip_wrench: ArrayLike | None = None,
+) -> Array:
+    """Compute the efforts (6 + k n,) that a motion of chains on one base takes."""
+    out = np.empty(u.shape)
+    status = _inverse(models, q, u, du, _surroundings(gravity, tip_wrench), out)
+    _check(status, q=q, rates=u, accelerations=du)
+    return out
+
+
+def _check(status: int, **given: Array) -> None:
+    """Raise the error for the status of a kernel that was given these arrays."""
+    if not status:
+        return
+    for what, array in given.items():
+        if not np.isfinite(array).all():
+            raise NonFiniteError(what, array)
+    if status & ~NOT_FINITE:
+        expected = "bodies that resist every motion"
+        raise BadValueError("least inertia of the floating chain", 0.0, expected)
+    what, array = max(given.items(), key=lambda one: np.abs(one[1]).max())
+    largest = float(np.abs(array).max())
+    raise BadValueError(f"largest of {what}", largest, "values with a finite result")
 
 
 def _surroundings(gravity: ArrayLike, tip_wrench: ArrayLike | None) -> Array:
