@@ -50,6 +50,12 @@ CASES = [
         errors.SingularPostureError("posture", [0.0] * 36, "one in which the drives hold it"),
         "posture is singular, expected one in which the drives hold it",
     ),
+    (
+        errors.MissingSupportError(["LF", "RF"], [0.0, 1.5, 0.0, 0.0, 0.0, 2.0], " at 0.1 s"),
+        "feet LF, RF cannot carry the load at 0.1 s: a moment [0, 1.5, 0] N m and a force "
+        "[0, 0, 2] N on the trunk are missing within friction cones and efforts of joints; put "
+        "more feet on the ground, or accelerate less",
+    ),
     (errors.MapFileError("map.npz", "damaged"), "map.npz: damaged"),
     (
         errors.NotEnoughMemoryError("a map of 9 cells", 24_000_000, 5),

@@ -17,6 +17,7 @@ from robomech_ros.errors.robots import (
     LoopClosureError,
     MissingInertiaError,
     MissingLimitsError,
+    MissingSupportError,
     RobotDescriptionError,
     SingularPostureError,
 )
@@ -40,6 +41,7 @@ __all__ = [
     "MapFileError",
     "MissingInertiaError",
     "MissingLimitsError",
+    "MissingSupportError",
     "NonFiniteError",
     "NotEnoughMemoryError",
     "RobomechError",

@@ -1,6 +1,6 @@
 """Errors of robots: of their descriptions, of what these lack, and of postures."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from robomech_ros.errors.formatting import listed
 from robomech_ros.errors.values import BadValueError, RobomechError
@@ -85,3 +85,31 @@ class SingularPostureError(BadValueError):
     def __init__(self, what: str, value: object, expected: str) -> None:
         super().__init__(what, value, expected)
         RobomechError.__init__(self, f"{what} is singular, expected {expected}")
+
+
+class MissingSupportError(BadValueError):
+    """Feet on the ground that cannot carry a load.
+
+    Parameters
+    ----------
+    feet : iterable of str
+        Those on the ground.
+    missing : sequence of float
+        The smallest wrench [n; f] (N m, N) that would have to help, moment about the origin of the
+        trunk, in its axes.
+    when : str, optional
+        Added to the message, such as the time in a walk.
+    """
+
+    def __init__(self, feet: Iterable[str], missing: Sequence[float], when: str = "") -> None:
+        self.feet = tuple(feet)
+        self.missing = tuple(float(x) for x in missing)
+        super().__init__("load of the feet", self.missing, "one that they can carry")
+        n, f = (", ".join(f"{x:.4g}" for x in part) for part in (missing[:3], missing[3:]))
+        who = f"feet {listed(self.feet)}" if self.feet else "no foot is on the ground, so feet"
+        RobomechError.__init__(
+            self,
+            f"{who} cannot carry the load{when}: a moment [{n}] N m and a force [{f}] N on the "
+            "trunk are missing within friction cones and efforts of joints; put more feet on the "
+            "ground, or accelerate less",
+        )

@@ -61,7 +61,7 @@ class ForceProgram:
         b[: len(needed)] = needed
         A = csc_matrix((entries, self.rows, self.starts), shape=(self.size, len(self.objective)))
         solver = self.library.DefaultSolver(
-            self.no_squares, self.objective, A, b, self.kinds, _settings(self.library)
+            self.no_squares, self.objective, A, b, self.kinds, solver_settings(self.library)
         )
         return solver.solve()
 
@@ -136,7 +136,7 @@ def separating_program(cones: Array, used: BoolArray, needed: Array, apart: floa
     blocks.append(np.vstack([np.zeros((1, d)), -np.eye(d)]))
     b += [1.0, *np.zeros(d)]
     kinds.append(library.SecondOrderConeT(d + 1))
-    settings = _settings(library)
+    settings = solver_settings(library)
     A = csc_matrix(np.vstack(blocks))
     solver = library.DefaultSolver(csc_matrix((d, d)), -needed, A, np.array(b), kinds, settings)
     found = solver.solve()
@@ -145,7 +145,8 @@ def separating_program(cones: Array, used: BoolArray, needed: Array, apart: floa
 
 
 @cache
-def _settings(library: ModuleType) -> Any:
+def solver_settings(library: ModuleType) -> Any:
+    """Return the settings of the solver for loads of size 1."""
     settings = library.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = _PRECISION

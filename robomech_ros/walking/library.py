@@ -40,7 +40,7 @@ import numpy as np
 
 from robomech_ros.errors import RobomechError, RobotDescriptionError
 from robomech_ros.kinematics.forward_uncompiled import link_transforms
-from robomech_ros.parallel.mechanism.limb import Axis, chain_of_axes
+from robomech_ros.parallel.mechanism.limb import Axis
 from robomech_ros.robots import Body, RobotDescription, SerialChain, load_description
 from robomech_ros.robots.documents.guarded_yaml import check_keys
 from robomech_ros.robots.documents.yaml_bodies import body_from_yaml
@@ -51,8 +51,9 @@ from robomech_ros.robots.documents.yaml_rows import (
     read_text,
 )
 from robomech_ros.robots.robot_kinds import checked_document, names_of, source_of
-from robomech_ros.spatial.poses import assembled, rigid_inverse
+from robomech_ros.spatial.poses import rigid_inverse
 from robomech_ros.typing import Array
+from robomech_ros.walking.pantograph import leg_of_axes
 from robomech_ros.walking.robot import LeggedRobot
 
 _LEAST_AXIS = 1e-6
@@ -157,16 +158,13 @@ def _leg_of_axes(row: Mapping[str, Any], name: str, trunk: str, place: str) -> S
         for k, joint in enumerate(joints)
     ]
     given = [_body(joint, "body", f"{place}: joint {k + 1}") for k, joint in enumerate(joints)]
-    foot = assembled(np.eye(3), _numbers(row["foot"], f"{place}: foot", 3))
-    chain = chain_of_axes(name, axes, foot, f"{name}_foot")
-    first, second, *others = chain.frames
-    frames = (replace(first, name=trunk), replace(second, parent=trunk), *others)
+    chain = leg_of_axes(name, axes, _numbers(row["foot"], f"{place}: foot", 3), trunk)
     bodies = [
         body and body.expressed_in(rigid_inverse(T))
         for body, T in zip(given, link_transforms(chain, np.zeros(3)), strict=False)
     ]
     limits = {"velocity": np.array(speeds), "effort": np.array(efforts)}
-    return replace(chain, base=trunk, frames=frames, bodies=tuple(bodies), **limits)
+    return replace(chain, bodies=tuple(bodies), **limits)
 
 
 def _body(row: Mapping[str, Any], key: str, where: str) -> Body | None:

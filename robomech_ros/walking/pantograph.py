@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from itertools import product
 
 import numpy as np
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.parallel.mechanism.limb import Axis, chain_of_axes
+from robomech_ros.robots import SerialChain
 from robomech_ros.spatial.arrays import as_choice, as_single, real_number
+from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array, ArrayLike
 
 _KNEES = {"forward": 1.0, "back": -1.0}
@@ -153,7 +158,82 @@ class PantographLeg:
         self.foot(found)
         return found
 
+    @property
+    def gains(self) -> Array:
+        """What the joints of :meth:`chain` move for a unit of each drive, shape (3,).
+
+        Joints are the drives times the gains, forces of the drives those of the joints times them.
+        """
+        return np.array([1.0, self.ratio, self.ratio - 1.0])
+
+    def chain(
+        self,
+        name: str,
+        lower: ArrayLike,
+        upper: ArrayLike,
+        *,
+        trunk: str = "base_link",
+        velocity: ArrayLike | None = None,
+        effort: ArrayLike | None = None,
+    ) -> SerialChain:
+        """Return the chain that moves the foot as the pantograph does, for a ``LeggedRobot``.
+
+        It turns, then slides forward by m h, then down by (m - 1) v: two slides at right angles.
+        The links have no bodies.
+
+        Parameters
+        ----------
+        name : str
+            Of the leg; its joints are ``name_turn``, ``name_forward`` and ``name_down``.
+        lower, upper : array_like, shape (3,)
+            Limits of the drives: turn (rad), h and v (m).
+        trunk : str, optional
+            The link that carries the leg.
+        velocity, effort : array_like, shape (3,), optional
+            Limits of the drives (rad/s and m/s; N m and N).  Default none.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError
+            Not such numbers, limits the wrong way round, or with slides so far apart that the links
+            do not reach.
+        """
+        bounds = np.array([as_single("lower", lower, (3,)), as_single("upper", upper, (3,))])
+        if not (bounds[0] < bounds[1]).all():
+            raise BadValueError("lower", bounds[0].tolist(), f"less than {bounds[1].tolist()}")
+        for h, v in product(*bounds[:, 1:].T.tolist()):
+            self.foot([0.0, h, v])
+        low, high = bounds * self.gains
+        directions = ("turn", [1.0, 0.0, 0.0]), ("forward", [1.0, 0.0, 0.0]), ("down", [0, 0, -1.0])
+        axes = [
+            Axis(
+                f"{name}_{what}",
+                f"{name}_{what}_link",
+                np.array(along),
+                self._hip,
+                slides=k > 0,
+                limits=(float(low[k]), float(high[k])),
+            )
+            for k, (what, along) in enumerate(directions)
+        ]
+        given = {}
+        for what, value, factor in (
+            ("velocity", velocity, self.gains),
+            ("effort", effort, 1.0 / self.gains),
+        ):
+            if value is not None:
+                given[what] = as_single(what, value, (3,)) * factor
+        return replace(leg_of_axes(name, axes, self._hip, trunk), **given)
+
     @staticmethod
     def _axes(turn: float) -> tuple[Array, Array]:
         """Return x and the way up in the plane of the leg, in the trunk."""
         return np.array([1.0, 0.0, 0.0]), np.array([0.0, -np.sin(turn), np.cos(turn)])
+
+
+def leg_of_axes(name: str, axes: Sequence[Axis], foot: Array, trunk: str) -> SerialChain:
+    """Make the chain of a leg from its axes and the place of its foot in the trunk, all at zero."""
+    chain = chain_of_axes(name, axes, assembled(np.eye(3), foot), f"{name}_foot")
+    first, second, *others = chain.frames
+    frames = (replace(first, name=trunk), replace(second, parent=trunk), *others)
+    return replace(chain, base=trunk, frames=frames)

@@ -119,7 +119,7 @@ class LeggedRobot:
 
     def _mass_centre_at_home(self) -> Array:
         """Compute the mass centre of all links of the tree in the trunk (m), shape (3,)."""
-        whole = self._combined(() if self._tree is None else self._tree.bodies)
+        whole = None if self._tree is None else self._combined(self._tree.bodies)
         return np.zeros(3) if whole is None else whole.com
 
     def _rest_of_tree(self) -> Body | None:
@@ -262,6 +262,16 @@ class LeggedRobot:
         rows = self.joints(q)
         return np.array([jacobian(leg, row)[3:] for leg, row in zip(self.legs, rows, strict=True)])
 
+    def regular_jacobians(self, q: ArrayLike, standing: Sequence[int]) -> Array:
+        """Compute :meth:`foot_jacobians`; refuse legs that stand, by number, and are singular."""
+        J = self.foot_jacobians(q)
+        values = np.linalg.svd(J[list(standing)], compute_uv=False)
+        for k, (largest, _, least) in zip(standing, values, strict=True):
+            if least <= _ZERO * largest:
+                what = f"posture of leg '{self.leg_names[k]}'"
+                raise BadValueError(what, self.joints(q)[k].tolist(), "one that is not singular")
+        return J
+
     def postures(
         self,
         leg: str,
@@ -320,13 +330,10 @@ class LeggedRobot:
         Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.4.
         """
         given = as_single("twist", twist, (6,))
-        feet, J = self.feet(q), self.foot_jacobians(q)
+        standing = self.standing(stance, 1)
+        feet, J = self.feet(q), self.regular_jacobians(q, standing)
         rates = np.zeros((len(self.legs), _JOINTS))
-        for k in self.standing(stance, 1):
-            values = np.linalg.svd(J[k], compute_uv=False)
-            if values[-1] <= _ZERO * values[0]:
-                what = f"posture of leg '{self.leg_names[k]}'"
-                raise BadValueError(what, self.joints(q)[k].tolist(), "one that is not singular")
+        for k in standing:
             rates[k] = np.linalg.solve(J[k], -(given[3:] + np.cross(given[:3], feet[k])))
         return rates.ravel()
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import fsolve
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.walking import PantographLeg
+from robomech_ros.walking import LeggedRobot, PantographLeg, Walker
 
 HIP = np.array([0.2, 0.1, -0.05])
 LEG = PantographLeg(thigh=0.41, shank=0.37, ratio=4.5, hip=HIP)
@@ -77,6 +77,34 @@ def test_the_jacobian_is_that_of_finite_differences_and_drives_come_back():
         assert power == pytest.approx(force @ (LEG.jacobian(q) @ rates), abs=1e-12)
 
 
+def test_a_machine_walks_on_pantographs():
+    """Feet, postures and forces of its legs are those of the pantographs; it walks at once."""
+    low, high, fast = [-0.4, -0.06, 0.09], [0.4, 0.06, 0.14], [2.0, 0.3, 0.3]
+    places = [(x, y) for y in (0.3, -0.3) for x in (0.6, 0.0, -0.6)]
+    legs = [PantographLeg(0.41, 0.37, 4.5, [x, y, 0.0]) for x, y in places]
+    chains = {
+        f"leg{i}": leg.chain(f"leg{i}", low, high, velocity=fast) for i, leg in enumerate(legs)
+    }
+    robot = LeggedRobot(chains, home=np.tile(legs[0].gains * [0.0, 0.0, 0.12], 6))
+    rng = np.random.default_rng(5)
+    drives = rng.uniform(low, high, (6, 3))
+    joints = drives * legs[0].gains
+    expected = [leg.foot(one) for leg, one in zip(legs, drives, strict=True)]
+    np.testing.assert_allclose(robot.feet(joints.ravel()), expected, atol=1e-14)
+    for i, leg in enumerate(legs):
+        jacobian = leg.jacobian(drives[i])
+        found = robot.foot_jacobians(joints.ravel())[i] * leg.gains
+        np.testing.assert_allclose(found, jacobian, atol=1e-14)
+        np.testing.assert_allclose(robot.postures(f"leg{i}", expected[i]).q[0], joints[i])
+    np.testing.assert_allclose(robot.velocity[:3], fast * legs[0].gains)
+    walker = Walker(robot)
+    for _ in range(400):
+        walker.command([0.0, 0.05, 0.0])
+        update = walker.update()
+        assert update.margin > walker.bound
+    assert update.base[0] > 0.05 and update.walking
+
+
 @pytest.mark.parametrize(
     ("call", "text"),
     [
@@ -94,6 +122,9 @@ def test_the_jacobian_is_that_of_finite_differences_and_drives_come_back():
         (lambda: LEG.drives([0.5, 0.1, -0.05]), "not on the axis"),
         (lambda: LEG.drives([0.2, 0.1, -3.0]), "apart"),
         (lambda: LEG.drives([[0.0] * 3]), "foot"),
+        (lambda: LEG.chain("leg", [0.0, 0.0, 0.1], [0.1, 0.0, 0.12]), "lower"),
+        (lambda: LEG.chain("leg", [0.0, 0.0, 0.1], [0.1, 0.1, 0.5]), "apart"),
+        (lambda: LEG.chain("leg", [0.0, 0.0], [0.1, 0.1, 0.12]), "lower"),
     ],
 )
 def test_wrong_requests_name_what_is_wrong(call, text):

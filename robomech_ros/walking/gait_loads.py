@@ -1,0 +1,160 @@
+"""Torques of all joints over a cycle of a gait, and their peaks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from robomech_ros.errors import BadValueError, MissingSupportError
+from robomech_ros.spatial import pose_error
+from robomech_ros.spatial.arrays import as_single, check_kind
+from robomech_ros.typing import Array, ArrayLike, BoolArray
+from robomech_ros.walking.dynamics import WalkingDynamics
+from robomech_ros.walking.ground_forces import FootForces
+from robomech_ros.walking.walker import Walker, WalkUpdate
+
+_DOWN = np.array([0.0, 0.0, -9.81])
+
+
+@dataclass(frozen=True, eq=False)
+class GaitTorques:
+    """Torques of a walk of m instants of a robot with k legs.
+
+    Attributes
+    ----------
+    t : ndarray, shape (m,)
+        Times (s), from 0.
+    torques : ndarray, shape (m, 3 k)
+        Of all joints (N m or N).
+    forces : ndarray, shape (m, k, 3)
+        Of the ground on the feet (N), in the axes of the trunk.
+    contacts : ndarray of bool, shape (m, k)
+        Which feet stand.
+    rates : ndarray, shape (m, 6 + 3 k)
+        Twist of the trunk in its axes, then joint rates.
+    peaks, peak_times : ndarray, shape (3 k,)
+        Largest magnitude of the torque of each joint, and when it is (s).
+    used_effort : ndarray, shape (3 k,)
+        Peaks as parts of the effort limits, NaN without one.
+    """
+
+    t: Array
+    torques: Array
+    forces: Array
+    contacts: BoolArray
+    rates: Array
+    peaks: Array
+    peak_times: Array
+    used_effort: Array
+
+
+def gait_torques(
+    dynamics: WalkingDynamics,
+    walker: Walker,
+    twist: ArrayLike,
+    *,
+    friction: float = 0.6,
+    smallest: str = "forces",
+) -> GaitTorques:
+    """Compute forces at the feet and torques of all joints over one cycle of a steady walk.
+
+    The walker walks for one cycle before, from where it is, and is left at the end.  Rates and
+    accelerations are differences of its updates.
+
+    Parameters
+    ----------
+    dynamics : WalkingDynamics
+        Of the robot that walks.
+    walker : Walker
+        Whose gait stands on three feet or more at any time: two points do not carry all loads.
+    twist : array_like, shape (3,)
+        [w, vx, vy] of the trunk (rad/s, m/s).
+    friction, smallest
+        As for :func:`foot_forces`.
+
+    Returns
+    -------
+    GaitTorques
+
+    Raises
+    ------
+    MissingSupportError
+        Feet cannot carry the load at some instant; the message has the time.
+    LimitExceededError, BadValueError, WrongSizeError
+        As for :func:`foot_forces`; or robots that differ.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.4.
+
+    Examples
+    --------
+    >>> from robomech_ros.walking import Walker, WalkingDynamics, gait_torques, load_legged
+    >>> robot = load_legged("phantomx")
+    >>> walk = gait_torques(WalkingDynamics(robot), Walker(robot, period=0.02), [0.0, 0.04, 0.0])
+    >>> bool(walk.used_effort.max() < 0.5)
+    True
+    """
+    check_kind("dynamics", dynamics, WalkingDynamics, "a WalkingDynamics")
+    check_kind("walker", walker, Walker, "a Walker")
+    if walker.robot is not dynamics.robot:
+        raise BadValueError("robot of the walker", walker.robot.name, "that of the dynamics")
+    command, count = as_single("twist", twist, (3,)), round(walker.cycle / walker.period)
+
+    def update() -> WalkUpdate:
+        walker.command(command)
+        return walker.update()
+
+    for _ in range(count):
+        update()
+    updates = [update() for _ in range(count + 2)]
+    names, found, rates = dynamics.robot.leg_names, list[FootForces](), []
+    for i in range(1, count + 1):
+        here = updates[i]
+        u, du = _differences(updates[i - 1 : i + 2], walker.period)
+        rates.append(u)
+        down = here.trunk[:3, :3].T
+        stance = [name for name, stands in zip(names, here.contacts, strict=True) if stands]
+        try:
+            share = dynamics.share_load(
+                here.q,
+                u,
+                du,
+                stance=stance,
+                gravity=down @ _DOWN,
+                friction=friction,
+                normals=down[:, 2],
+                smallest=smallest,
+            )
+        except MissingSupportError as error:
+            when = (i - 1) * walker.period
+            raise MissingSupportError(error.feet, error.missing, f" at {when:.4g} s") from None
+        found.append(share)
+    torques = np.array([one.torques for one in found])
+    at, peaks = np.abs(torques).argmax(axis=0), np.abs(torques).max(axis=0)
+    return GaitTorques(
+        t=walker.period * np.arange(count),
+        torques=torques,
+        forces=np.array([one.forces for one in found]),
+        contacts=np.array([one.contacts for one in updates[1:-1]]),
+        rates=np.array(rates),
+        peaks=peaks,
+        peak_times=walker.period * at,
+        used_effort=peaks / dynamics.robot.effort,
+    )
+
+
+def _differences(three: Sequence[WalkUpdate], period: float) -> tuple[Array, Array]:
+    """Return rates u and their derivative in the middle of three updates, (6 + 3 k,) each."""
+    before, here, after = three
+    back, forth = pose_error(here.trunk, before.trunk), pose_error(after.trunk, here.trunk)
+    turn = here.trunk[:3, :3].T
+    twist = ((back + forth) / (2.0 * period)).reshape(2, 3) @ turn.T
+    change = ((forth - back) / period**2).reshape(2, 3) @ turn.T
+    # In axes that turn with the trunk.
+    change[1] -= np.cross(twist[0], twist[1])
+    u = np.concatenate((twist.ravel(), (after.q - before.q) / (2.0 * period)))
+    du = np.concatenate((change.ravel(), (after.q - 2.0 * here.q + before.q) / period**2))
+    return u, du

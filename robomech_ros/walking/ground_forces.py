@@ -1,0 +1,284 @@
+"""The smallest forces of the ground on feet that carry a load, and the wrench that is missing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csc_matrix
+
+from robomech_ros.errors import BadValueError, LimitExceededError, MissingSupportError
+from robomech_ros.hands.conic_solver import conic_solver
+from robomech_ros.hands.force_program import solver_settings
+from robomech_ros.spatial import cross_product_matrix
+from robomech_ros.spatial.arrays import as_choice, as_single, check_kind, finite_within
+from robomech_ros.typing import Array, ArrayLike
+from robomech_ros.walking.robot import LeggedRobot
+from robomech_ros.walking.stance_mechanism import contact_rows
+
+SMALLEST = ("forces", "torques")
+UPWARDS = (0.0, 0.0, 1.0)
+_MOST_FRICTION = 1e3
+# Smallest size of what is sought.
+_LEAST_SIZE = 1e-6
+# Part of the load that rounding leaves, and by which the solver's cones are narrower.
+_BALANCED, _NARROWER = 1e-9, 1e-8
+
+
+@dataclass(frozen=True, eq=False)
+class FootForces:
+    """Forces of the ground on the feet of a robot with k legs, and what the joints exert.
+
+    Attributes
+    ----------
+    forces : ndarray, shape (k, 3)
+        On each foot (N), in the axes of the trunk; 0 for feet in the air.
+    torques : ndarray, shape (3 k,)
+        Of all joints (N m or N).
+    used_friction : ndarray, shape (k,)
+        Part of the friction cone that each force uses, up to 1.
+    used_effort : ndarray, shape (3 k,)
+        Part of the effort limit of each joint, NaN without one.
+    """
+
+    forces: Array
+    torques: Array
+    used_friction: Array
+    used_effort: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Share:
+    """Forces ``F = L z + F_0`` (3 s,) of s feet: what is as small as can be is the norm of z.
+
+    The feet have to exert the load (6,) by the rows ``G F``, within ``A F <= b`` and the cones:
+    of the rows C (s, 3, 3) of each foot the first is at least as long as the others.
+    """
+
+    L: Array
+    offset: Array
+    G: Array
+    load: Array
+    C: Array
+    A: Array
+    b: Array
+
+    def solve(self) -> Array | None:
+        """Return the forces (3 s,), or None where there are none."""
+        W = self.G @ self.L
+        needed = self.load - self.G @ self.offset
+        size = max(1.0, float(np.abs(self.load).max()))
+        z = np.linalg.lstsq(W, needed, rcond=_BALANCED)[0]
+        if np.abs(W @ z - needed).max() <= _BALANCED * size:
+            F = self.L @ z + self.offset
+            if self._holds(F):
+                return F
+        z, solved = self._program(W, needed, max(_LEAST_SIZE, float(np.abs(z).max())))
+        return self.L @ z + self.offset if solved else None
+
+    def missing(self, length: float) -> Array:
+        """Return the smallest wrench (6,) that has to help, moments over a length (m)."""
+        scale = np.array([length] * 3 + [1.0] * 3)
+        W = np.hstack((np.zeros((6, self.L.shape[1])), np.diag(scale)))
+        W[:, : self.L.shape[1]] = self.G @ self.L
+        needed = self.load - self.G @ self.offset
+        z, solved = self._program(W, needed, max(1.0, float(np.abs(needed).max())), 6)
+        help_needed = scale * z[self.L.shape[1] :] if solved else self.load
+        return np.where(np.abs(help_needed) > 1e-6 * np.abs(help_needed).max(), help_needed, 0.0)
+
+    def _holds(self, F: Array) -> bool:
+        """Tell whether forces are inside cones and limits."""
+        parts = np.einsum("kij,kj->ki", self.C, F.reshape(-1, 3))
+        inside = parts[:, 0] >= np.hypot(parts[:, 1], parts[:, 2])
+        return bool(inside.all() and (self.b >= self.A @ F).all())
+
+    def _program(self, W: Array, needed: Array, size: float, more: int = 0) -> tuple[Array, bool]:
+        """Minimize the norm of z, or of the help in the last columns of W alone.
+
+        The solver sees all numbers as parts of the size.
+        """
+        library = conic_solver()
+        m = self.L.shape[1]
+        cones = self.C * np.array([1.0 - _NARROWER, 1.0, 1.0])[:, None]
+        blocks = [-np.einsum("kij,kjl->kil", cones, self.L.reshape(-1, 3, m)).reshape(-1, m)]
+        moved = np.einsum("kij,kj->ki", cones, self.offset.reshape(-1, 3)).ravel()
+        rows = np.zeros((6 + len(self.b) + len(moved), m + more))
+        rows[:6] = W
+        rows[6:, :m] = np.vstack((self.A @ self.L, *blocks))
+        right = np.concatenate((needed, self.b - self.A @ self.offset, moved)) / size
+        kinds = [library.ZeroConeT(6), library.NonnegativeConeT(len(self.b))]
+        kinds += [library.SecondOrderConeT(3)] * len(self.C)
+        weights = np.concatenate((np.full(m, 0.0 if more else 1.0), np.ones(more)))
+        found = library.DefaultSolver(
+            csc_matrix((weights, np.arange(m + more), np.arange(m + more + 1))),
+            np.zeros(m + more),
+            _by_columns(rows),
+            right,
+            kinds,
+            solver_settings(library),
+        ).solve()
+        ended = library.SolverStatus
+        solved = found.status in (ended.Solved, ended.AlmostSolved)
+        return size * np.array(found.x), solved
+
+
+def _by_columns(dense: Array) -> csc_matrix:
+    """Lay out a matrix for the solver faster than scipy, which looks through it several times."""
+    present = dense.T != 0.0
+    starts = np.concatenate(([0], np.cumsum(present.sum(axis=1))))
+    return csc_matrix((dense.T[present], np.nonzero(present)[1], starts), shape=dense.shape)
+
+
+def foot_forces(
+    robot: LeggedRobot,
+    q: ArrayLike,
+    wrench: ArrayLike,
+    *,
+    stance: Sequence[str] | None = None,
+    friction: float = 0.6,
+    normals: ArrayLike = UPWARDS,
+    torques: ArrayLike | None = None,
+    smallest: str = "forces",
+) -> FootForces:
+    r"""Compute the smallest forces of the ground on the feet that carry a load.
+
+    .. math::
+
+       \min \sum_i |f_i|^2, \quad \sum_i \begin{bmatrix} p_i \times f_i \\ f_i \end{bmatrix} = -w,
+       \quad |f_i - n_i n_i^T f_i| \le \mu\, n_i^T f_i, \quad |\tau_i - J_i^T f_i| \le e_i
+
+    Parameters
+    ----------
+    robot : LeggedRobot
+        Of k legs; efforts of joints are limited where ``robot.effort`` is finite.
+    q : array_like, shape (3 k,)
+        All joints (rad or m).
+    wrench : array_like, shape (6,)
+        What acts on the robot besides the ground, such as its weight: moment about the origin of
+        the trunk (N m), then force (N), in its axes.
+    stance : sequence of str, optional
+        The legs that stand, default all.
+    friction : float, optional
+        Largest tangential force as a share of the normal force.
+    normals : array_like, shape (3,) or (k, 3), optional
+        Directions out of the ground at the feet, in the axes of the trunk.
+    torques : array_like, shape (3 k,), optional
+        What the joints exert without forces at the feet, for weight and inertia of the legs (N m or
+        N).  Default 0.
+    smallest : {"forces", "torques"}, optional
+        The sum of which squares is smallest: of the forces, or of all torques as parts of their
+        limits, so that all joints share the load.
+
+    Returns
+    -------
+    FootForces
+        Equilibrium to 1e-8 of the load.
+
+    Raises
+    ------
+    MissingSupportError
+        The feet cannot carry the load; the error has the wrench that is missing.
+    LimitExceededError
+        A leg in the air is too heavy for a joint.
+    BadValueError, WrongSizeError, ConicSolverUnavailableError
+        Not such arguments; a stance leg that is singular, or joints without effort limits, where
+        torques shall be smallest; or the extra ``hands`` is not installed.
+
+    References
+    ----------
+    Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.4; Boyd and Wegbreit,
+    Fast Computation of Optimal Contact Forces, IEEE Trans. Robotics 23, 2007.
+
+    Examples
+    --------
+    >>> from robomech_ros.walking import foot_forces, load_legged
+    >>> robot = load_legged("phantomx")
+    >>> found = foot_forces(robot, robot.home, [0.0, 0.0, 0.0, 0.0, 0.0, -12.0])
+    >>> found.forces[0].round(6).tolist()
+    [0.0, 0.0, 2.0]
+    """
+    check_kind("robot", robot, LeggedRobot, "a LeggedRobot")
+    load = -as_single("wrench", wrench, (6,))
+    own = np.zeros(robot.n) if torques is None else as_single("torques", torques, (robot.n,))
+    mu = finite_within("friction", friction, f"0 to {_MOST_FRICTION:g}", 0.0, _MOST_FRICTION)
+    upward = _unit_normals(normals, len(robot.legs))
+    standing = [] if stance is not None and not len(stance) else list(robot.standing(stance, 1))
+    _check_lifted(robot, standing, own)
+    feet = robot.feet(q)
+    J = robot.regular_jacobians(q, standing if smallest == "torques" else ())
+    if not standing:
+        raise MissingSupportError((), load.tolist())
+    share = _share(robot, standing, (feet, J, own), load, (mu, upward), smallest)
+    F = share.solve()
+    if F is None:
+        missing = share.missing(float(np.abs(feet).max()))
+        raise MissingSupportError([robot.leg_names[k] for k in standing], missing.tolist())
+    forces = np.zeros((len(robot.legs), 3))
+    forces[standing] = F.reshape(-1, 3)
+    exerted = own - np.einsum("kij,ki->kj", J, forces).ravel()
+    along = np.einsum("ki,ki->k", forces, upward)
+    aside = np.linalg.norm(forces - along[:, None] * upward, axis=1)
+    used = np.divide(aside, mu * along, out=np.zeros_like(along), where=mu * along > 0.0)
+    return FootForces(forces, exerted, used, np.abs(exerted) / robot.effort)
+
+
+def _share(
+    robot: LeggedRobot,
+    standing: list[int],
+    state: tuple[Array, Array, Array],
+    load: Array,
+    ground: tuple[float, Array],
+    smallest: str,
+) -> _Share:
+    """Lay out the program of the feet, Jacobians and own torques, friction and normals."""
+    feet, J, own = state
+    mu, upward = ground
+    size = 3 * len(standing)
+    turned, mine = np.zeros((size, size)), own.reshape(-1, 3)[standing].ravel()
+    for i, k in enumerate(standing):
+        turned[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = J[k].T
+    limits = robot.effort.reshape(-1, 3)[standing].ravel()
+    L, offset = np.eye(size), np.zeros(size)
+    if as_choice("smallest", smallest, SMALLEST) == "torques":
+        if not np.isfinite(limits).all():
+            raise BadValueError("effort limits", robot.effort.tolist(), "one for each joint")
+        L = np.linalg.inv(turned / limits[:, None])
+        offset = np.linalg.solve(turned, mine)
+    G, C = contact_rows(feet[standing]).T, _cone_rows(mu, upward[standing])
+    limited = np.isfinite(limits)
+    pressed = np.zeros((len(standing), size))
+    for i, k in enumerate(standing):
+        pressed[i, 3 * i : 3 * i + 3] = -upward[k]
+    A = np.vstack((turned[limited], -turned[limited], pressed))
+    bounds = (limits + mine)[limited], (limits - mine)[limited], np.zeros(len(standing))
+    return _Share(L, offset, G, load, C, A, np.concatenate(bounds))
+
+
+def _cone_rows(mu: float, n: Array) -> Array:
+    """Return the rows (s, 3, 3) of friction cones: the first product bounds the two others."""
+    across = cross_product_matrix(n)
+    first = across[np.arange(len(n)), :, np.abs(n).argmin(axis=1)]
+    first = first / np.linalg.norm(first, axis=1, keepdims=True)
+    return np.stack((mu * n, first, (across @ first[:, :, None])[:, :, 0]), axis=1)
+
+
+def _unit_normals(normals: ArrayLike, k: int) -> Array:
+    """Check one normal for all feet, or one for each, and return them (k, 3)."""
+    given = np.asarray(normals, dtype=object)
+    shape = (3,) if given.ndim == 1 else (k, 3)
+    array = np.broadcast_to(as_single("normals", normals, shape), (k, 3))
+    lengths = np.linalg.norm(array, axis=1, keepdims=True)
+    if not lengths.min() > 0.0:
+        raise BadValueError("normals", array.tolist(), "directions out of the ground")
+    return array / lengths
+
+
+def _check_lifted(robot: LeggedRobot, standing: list[int], own: Array) -> None:
+    """Refuse what legs in the air take above their effort limits."""
+    for leg in set(range(len(robot.legs))) - set(standing):
+        for j in range(3 * leg, 3 * leg + 3):
+            if abs(own[j]) > robot.effort[j]:
+                unit = "N m" if robot.units[j] == "rad" else "N"
+                limit = float(np.copysign(robot.effort[j], own[j]))
+                raise LimitExceededError("effort", robot.joint_names[j], float(own[j]), limit, unit)
