@@ -135,13 +135,13 @@ def gait_torques(
     torques = np.array([one.torques for one in found])
     at, peaks = np.abs(torques).argmax(axis=0), np.abs(torques).max(axis=0)
     return GaitTorques(
-        t=walker.period * np.arange(count),
+        t=np.asarray(walker.period * np.arange(count), dtype=np.float64),
         torques=torques,
         forces=np.array([one.forces for one in found]),
         contacts=np.array([one.contacts for one in updates[1:-1]]),
         rates=np.array(rates),
         peaks=peaks,
-        peak_times=walker.period * at,
+        peak_times=np.asarray(walker.period * at, dtype=np.float64),
         used_effort=peaks / dynamics.robot.effort,
     )
 

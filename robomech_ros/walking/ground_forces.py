@@ -195,8 +195,8 @@ def foot_forces(
     >>> from robomech_ros.walking import foot_forces, load_legged
     >>> robot = load_legged("phantomx")
     >>> found = foot_forces(robot, robot.home, [0.0, 0.0, 0.0, 0.0, 0.0, -12.0])
-    >>> found.forces[0].round(6).tolist()
-    [0.0, 0.0, 2.0]
+    >>> found.forces[:, 2].round(6).tolist()
+    [2.0, 2.0, 2.0, 2.0, 2.0, 2.0]
     """
     check_kind("robot", robot, LeggedRobot, "a LeggedRobot")
     load = -as_single("wrench", wrench, (6,))
@@ -239,12 +239,13 @@ def _share(
     for i, k in enumerate(standing):
         turned[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = J[k].T
     limits = robot.effort.reshape(-1, 3)[standing].ravel()
-    L, offset = np.eye(size), np.zeros(size)
+    L: Array = np.eye(size)
+    offset: Array = np.zeros(size)
     if as_choice("smallest", smallest, SMALLEST) == "torques":
         if not np.isfinite(limits).all():
             raise BadValueError("effort limits", robot.effort.tolist(), "one for each joint")
-        L = np.linalg.inv(turned / limits[:, None])
-        offset = np.linalg.solve(turned, mine)
+        L = np.asarray(np.linalg.inv(turned / limits[:, None]), dtype=np.float64)
+        offset = np.asarray(np.linalg.solve(turned, mine), dtype=np.float64)
     G, C = contact_rows(feet[standing]).T, _cone_rows(mu, upward[standing])
     limited = np.isfinite(limits)
     pressed = np.zeros((len(standing), size))

@@ -163,8 +163,8 @@ def _leg_of_axes(row: Mapping[str, Any], name: str, trunk: str, place: str) -> S
         body and body.expressed_in(rigid_inverse(T))
         for body, T in zip(given, link_transforms(chain, np.zeros(3)), strict=False)
     ]
-    limits = {"velocity": np.array(speeds), "effort": np.array(efforts)}
-    return replace(chain, bodies=tuple(bodies), **limits)
+    limits = np.array([speeds, efforts])
+    return replace(chain, bodies=tuple(bodies), velocity=limits[0], effort=limits[1])
 
 
 def _body(row: Mapping[str, Any], key: str, where: str) -> Body | None:

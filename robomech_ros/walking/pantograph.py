@@ -216,14 +216,10 @@ class PantographLeg:
             )
             for k, (what, along) in enumerate(directions)
         ]
-        given = {}
-        for what, value, factor in (
-            ("velocity", velocity, self.gains),
-            ("effort", effort, 1.0 / self.gains),
-        ):
-            if value is not None:
-                given[what] = as_single(what, value, (3,)) * factor
-        return replace(leg_of_axes(name, axes, self._hip, trunk), **given)
+        bare = leg_of_axes(name, axes, self._hip, trunk)
+        fast = bare.velocity if velocity is None else as_single("velocity", velocity, (3,))
+        strong = bare.effort if effort is None else as_single("effort", effort, (3,))
+        return replace(bare, velocity=fast * self.gains, effort=strong / self.gains)
 
     @staticmethod
     def _axes(turn: float) -> tuple[Array, Array]:
