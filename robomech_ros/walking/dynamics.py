@@ -174,7 +174,8 @@ class WalkingDynamics:
             For m legs in the air, in their order.
         """
         standing, lifted = self._divided(stance)
-        feet, J = self.robot.feet(q), self.robot.regular_jacobians(q, standing)
+        feet, J = self.robot.feet(q), self.robot.foot_jacobians(q)
+        self.robot.check_regular(q, J, standing)
         N = np.zeros((6 + self.robot.n, 6 + 3 * len(lifted)))
         N[:6, :6] = np.eye(6)
         found = np.linalg.solve(J[standing], contact_rows(feet[standing]).reshape(-1, 3, 6))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from scipy.sparse import csc_matrix
@@ -109,9 +110,8 @@ class _Share:
         right = np.concatenate((needed, self.b - self.A @ self.offset, moved)) / size
         kinds = [library.ZeroConeT(6), library.NonnegativeConeT(len(self.b))]
         kinds += [library.SecondOrderConeT(3)] * len(self.C)
-        weights = np.concatenate((np.full(m, 0.0 if more else 1.0), np.ones(more)))
         found = library.DefaultSolver(
-            csc_matrix((weights, np.arange(m + more), np.arange(m + more + 1))),
+            _squares(m, more),
             np.zeros(m + more),
             _by_columns(rows),
             right,
@@ -121,6 +121,14 @@ class _Share:
         ended = library.SolverStatus
         solved = found.status in (ended.Solved, ended.AlmostSolved)
         return size * np.array(found.x), solved
+
+
+@cache
+def _squares(m: int, more: int) -> csc_matrix:
+    """Return the matrix of the sum of the squares of m numbers, or of the others alone."""
+    count = m + more
+    weights = np.repeat([0.0 if more else 1.0, 1.0], [m, more])
+    return csc_matrix((weights, np.arange(count), np.arange(count + 1)))
 
 
 def _by_columns(dense: Array) -> csc_matrix:
@@ -206,10 +214,10 @@ def foot_forces(
     standing = [] if stance is not None and not len(stance) else list(robot.standing(stance, 1))
     _check_lifted(robot, standing, own)
     feet = robot.feet(q)
-    J = robot.regular_jacobians(q, standing if smallest == "torques" else ())
+    J = robot.foot_jacobians(q)
     if not standing:
         raise MissingSupportError((), load.tolist())
-    share = _share(robot, standing, (feet, J, own), load, (mu, upward), smallest)
+    share = _share(robot, standing, (q, feet, J, own), load, (mu, upward), smallest)
     F = share.solve()
     if F is None:
         missing = share.missing(float(np.abs(feet).max()))
@@ -226,13 +234,13 @@ def foot_forces(
 def _share(
     robot: LeggedRobot,
     standing: list[int],
-    state: tuple[Array, Array, Array],
+    state: tuple[ArrayLike, Array, Array, Array],
     load: Array,
     ground: tuple[float, Array],
     smallest: str,
 ) -> _Share:
-    """Lay out the program of the feet, Jacobians and own torques, friction and normals."""
-    feet, J, own = state
+    """Lay out the program for joints, feet, Jacobians and own torques, friction and normals."""
+    q, feet, J, own = state
     mu, upward = ground
     size = 3 * len(standing)
     turned, mine = np.zeros((size, size)), own.reshape(-1, 3)[standing].ravel()
@@ -242,6 +250,7 @@ def _share(
     L: Array = np.eye(size)
     offset: Array = np.zeros(size)
     if as_choice("smallest", smallest, SMALLEST) == "torques":
+        robot.check_regular(q, J, standing)
         if not np.isfinite(limits).all():
             raise BadValueError("effort limits", robot.effort.tolist(), "one for each joint")
         L = np.asarray(np.linalg.inv(turned / limits[:, None]), dtype=np.float64)

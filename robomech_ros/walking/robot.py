@@ -262,15 +262,13 @@ class LeggedRobot:
         rows = self.joints(q)
         return np.array([jacobian(leg, row)[3:] for leg, row in zip(self.legs, rows, strict=True)])
 
-    def regular_jacobians(self, q: ArrayLike, standing: Sequence[int]) -> Array:
-        """Compute :meth:`foot_jacobians`; refuse legs that stand, by number, and are singular."""
-        J = self.foot_jacobians(q)
+    def check_regular(self, q: ArrayLike, J: Array, standing: Sequence[int]) -> None:
+        """Refuse :meth:`foot_jacobians` of legs that stand, by number, and are singular."""
         values = np.linalg.svd(J[list(standing)], compute_uv=False)
         for k, (largest, _, least) in zip(standing, values, strict=True):
             if least <= _ZERO * largest:
                 what = f"posture of leg '{self.leg_names[k]}'"
                 raise BadValueError(what, self.joints(q)[k].tolist(), "one that is not singular")
-        return J
 
     def postures(
         self,
@@ -331,7 +329,8 @@ class LeggedRobot:
         """
         given = as_single("twist", twist, (6,))
         standing = self.standing(stance, 1)
-        feet, J = self.feet(q), self.regular_jacobians(q, standing)
+        feet, J = self.feet(q), self.foot_jacobians(q)
+        self.check_regular(q, J, standing)
         rates = np.zeros((len(self.legs), _JOINTS))
         for k in standing:
             rates[k] = np.linalg.solve(J[k], -(given[3:] + np.cross(given[:3], feet[k])))
