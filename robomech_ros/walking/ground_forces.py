@@ -211,7 +211,7 @@ def foot_forces(
     own = np.zeros(robot.n) if torques is None else as_single("torques", torques, (robot.n,))
     mu = finite_within("friction", friction, f"0 to {_MOST_FRICTION:g}", 0.0, _MOST_FRICTION)
     upward = _unit_normals(normals, len(robot.legs))
-    standing = [] if stance is not None and not len(stance) else list(robot.standing(stance, 1))
+    standing = list(robot.standing(stance, 0))
     _check_lifted(robot, standing, own)
     feet = robot.feet(q)
     J = robot.foot_jacobians(q)

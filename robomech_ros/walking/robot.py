@@ -165,7 +165,9 @@ class LeggedRobot:
         tree = self._tree
         if tree is None:
             made = tree_of_limbs(self.name, self.legs, None, {})
-            tree = replace(made, document="", source=self.source)
+            trunk = {} if self.trunk_body is None else {self.trunk: self.trunk_body}
+            bodies = {**made.bodies, **trunk}
+            tree = replace(made, document="", source=self.source, bodies=bodies)
             tree = replace(tree, document=urdf_from_description(tree))
         home = dict(zip(self.joint_names, self.home.tolist(), strict=True))
         return replace(tree, home={**tree.home, **home})

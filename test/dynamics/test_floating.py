@@ -4,6 +4,7 @@ import numpy as np
 import pinocchio
 import pytest
 from arms_with_bodies import pinocchio_of
+from wrong_values import WRONG_VALUES, answered_or_refused, with_options
 
 from robomech_ros.dynamics import FloatingChain, move_floating_tip, simulate_floating
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
@@ -165,6 +166,25 @@ def test_the_tip_is_held_and_led_straight_in_inertial_space(arm):
     lost = move_floating_tip(arm, POSE, q, goal, 600.0)
     assert 0 < len(lost.t) < 101
     assert "singular" in lost.reason or "limit" in lost.reason
+
+
+def test_whatever_is_given_it_answers_or_refuses(arm):
+    q, u = arm.chain.home(), np.zeros(13)
+    calls = {
+        **with_options(FloatingChain, chain=arm.chain),
+        **with_options(arm.mass_matrix, q=q),
+        **with_options(arm.momentum, q=q, rates=u),
+        **with_options(arm.center_of_mass, q=q),
+        **with_options(arm.kinetic_energy, q=q, rates=u),
+        **with_options(arm.rates, q=q, qd=q),
+        **with_options(arm.generalized_jacobian, q=q),
+        **with_options(arm.reactionless, q=q),
+        **with_options(arm.inverse, q=q, rates=u, accelerations=u),
+        **with_options(arm.forward, q=q, rates=u, efforts=u),
+        **with_options(arm.torques, q=q, rates=u, qdd=q),
+    }
+    for call in calls.values():
+        answered_or_refused(call, [*WRONG_VALUES, q, u, 1e300 * u + 1e300, np.full(7, np.nan)])
 
 
 def test_wrong_arguments_are_named(arm):

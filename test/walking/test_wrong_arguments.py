@@ -9,6 +9,8 @@ from robomech_ros.walking import (
     LeggedRobot,
     PantographLeg,
     Walker,
+    WalkingDynamics,
+    foot_forces,
     leg_odometry,
     load_legged,
     stability_margin,
@@ -21,6 +23,7 @@ LEGS = dict(zip(ROBOT.leg_names, ROBOT.legs, strict=True))
 PANTOGRAPH = PantographLeg(0.4, 0.4, 5.0)
 DRIVES = [0.0, 0.02, 0.1]
 WALKER = Walker(ROBOT)
+DYNAMICS, STILL = WalkingDynamics(ROBOT), np.zeros(18)
 VALUES = [*WRONG_VALUES, Q, Q[:3], 1e300 * Q, FEET, np.nan * FEET, ["FL"], ["FL"] * 3, {"FL": None}]
 
 
@@ -50,6 +53,15 @@ CALLS = {
     **with_options(ROBOT.planted, q=Q),
     **with_options(ROBOT.leg_number, leg="FL"),
     **with_options(ROBOT.joints, q=Q),
+    **with_options(PANTOGRAPH.chain, name="leg", lower=[-1, 0, 0.09], upper=[1, 0.01, 0.1]),
+    **with_options(foot_forces, robot=ROBOT, q=Q, wrench=[0, 0, 0, 0, 0, -110]),
+    **with_options(WalkingDynamics, robot=ROBOT),
+    **with_options(DYNAMICS.mass_matrix, q=Q),
+    **with_options(DYNAMICS.inverse, q=Q, rates=STILL, accelerations=STILL),
+    **with_options(DYNAMICS.share_load, q=Q, rates=STILL, accelerations=STILL),
+    **with_options(DYNAMICS.complement, q=Q),
+    **with_options(DYNAMICS.stance_motion, q=Q, independent=STILL[:6], changes=STILL[:6]),
+    **with_options(DYNAMICS.planted_forward, q=Q, independent=STILL[:6], torques=STILL[6:]),
     **with_options(WALKER.command, twist=np.zeros(3)),
     **with_options(WALKER.command_pose, pose=np.zeros(6)),
     **with_options(WALKER.command_gait, gait="trot"),
