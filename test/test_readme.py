@@ -17,6 +17,7 @@ FOREIGN = {
     "geometry_msgs/msg/PoseStamped",
     "geometry_msgs/msg/TwistStamped",
     "sensor_msgs/msg/JointState",
+    "sensor_msgs/msg/MultiDOFJointState",
     "control_msgs/action/FollowJointTrajectory",
     "control_msgs/srv/QueryTrajectoryState",
     "nav_msgs/msg/Odometry",

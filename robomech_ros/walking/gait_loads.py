@@ -110,27 +110,17 @@ def gait_torques(
     for _ in range(count):
         update()
     updates = [update() for _ in range(count + 2)]
-    names, found, rates = dynamics.robot.leg_names, list[FootForces](), []
+    found, rates = list[FootForces](), list[Array]()
     for i in range(1, count + 1):
-        here = updates[i]
-        u, du = _differences(updates[i - 1 : i + 2], walker.period)
-        rates.append(u)
-        down = here.trunk[:3, :3].T
-        stance = [name for name, stands in zip(names, here.contacts, strict=True) if stands]
+        three = updates[i - 1], updates[i], updates[i + 1]
         try:
-            share = dynamics.share_load(
-                here.q,
-                u,
-                du,
-                stance=stance,
-                gravity=down @ _DOWN,
-                friction=friction,
-                normals=down[:, 2],
-                smallest=smallest,
+            u, share = step_loads(
+                dynamics, three, walker.period, friction=friction, smallest=smallest
             )
         except MissingSupportError as error:
             when = (i - 1) * walker.period
             raise MissingSupportError(error.feet, error.missing, f" at {when:.4g} s") from None
+        rates.append(u)
         found.append(share)
     torques = np.array([one.torques for one in found])
     at, peaks = np.abs(torques).argmax(axis=0), np.abs(torques).max(axis=0)
@@ -144,6 +134,31 @@ def gait_torques(
         peak_times=np.asarray(walker.period * at, dtype=np.float64),
         used_effort=peaks / dynamics.robot.effort,
     )
+
+
+def step_loads(
+    dynamics: WalkingDynamics,
+    three: Sequence[WalkUpdate],
+    period: float,
+    *,
+    friction: float,
+    smallest: str = "forces",
+) -> tuple[Array, FootForces]:
+    """Compute rates u and the shared load in the middle of three updates, a period (s) apart."""
+    u, du = _differences(three, period)
+    here, names = three[1], dynamics.robot.leg_names
+    down = here.trunk[:3, :3].T
+    share = dynamics.share_load(
+        here.q,
+        u,
+        du,
+        stance=[name for name, stands in zip(names, here.contacts, strict=True) if stands],
+        gravity=down @ _DOWN,
+        friction=friction,
+        normals=down[:, 2],
+        smallest=smallest,
+    )
+    return u, share
 
 
 def _differences(three: Sequence[WalkUpdate], period: float) -> tuple[Array, Array]:

@@ -163,6 +163,10 @@ def test_bodies_come_from_the_document_or_the_tree():
     # 4.8 kg, and 0.510299, 0.898919, 0.158015 and 0.06 kg a leg.
     assert sum(body.mass for body in bodies) == pytest.approx(4.8 + 4 * 1.627233, abs=1e-9)
     np.testing.assert_array_equal(go1.effort, 33.5)
+    feet = {name: leg.tip for name, leg in zip(go1.leg_names, go1.legs, strict=True)}
+    again = LeggedRobot.from_description(go1.description, feet)
+    M = WalkingDynamics(go1).mass_matrix(go1.home)
+    np.testing.assert_allclose(WalkingDynamics(again).mass_matrix(go1.home), M, atol=1e-12)
     dog = load_description("test/data/quadruped_with_head.urdf")
     robot = LeggedRobot.from_description(
         dog, {leg: f"{leg}_foot" for leg in ("FL", "FR", "RL", "RR")}

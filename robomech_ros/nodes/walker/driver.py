@@ -16,6 +16,7 @@ from robomech_ros.nodes.common.status_report import NodeHealth
 from robomech_ros.nodes.common.tracking_monitor import TrackingMonitor
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.walker.command_intake import CommandIntake
+from robomech_ros.nodes.walker.load_publication import LoadPublication
 from robomech_ros.nodes.walker.publication import WalkPublication
 from robomech_ros.nodes.walker.settings import WalkerSettings
 from robomech_ros.nodes.walker.stream import WalkStream, rising
@@ -55,6 +56,7 @@ class Driver:
         self._joints = TrackingMonitor(robot, monitor, *watched)
         self._stream = WalkStream(walker, settings.lead)
         self._publication = WalkPublication(node, robot, settings)
+        self._loads = LoadPublication(node, robot, settings)
         self._publisher = node.create_publisher(JointTrajectory, settings.command_out_topic, 10)
         self._stands, self._fault, self._streams = False, "", False
         # When a message was sent, until when a rise is waited for (s); since the last report the
@@ -94,7 +96,9 @@ class Driver:
                 return
         self._part = min(self._part, knot.update.part)
         self._margin = knot.update.margin
-        self._publication.publish(knot.update, self._clock.stamp(knot.time))
+        stamp = self._clock.stamp(knot.time)
+        self._publication.publish(knot.update, stamp)
+        self._loads.publish(stream, stamp)
 
     def _begin(self, now: float) -> bool:
         """Begin to walk where the robot stands, go on where it stopped, else have it rise."""
@@ -157,6 +161,7 @@ class Driver:
             "stability margin (m)": f"{self._margin:.6g}",
             "stability bound (m)": f"{walker.bound:.6g}",
             "part of the command": f"{part:.3g}",
+            "load of the feet": self._loads.refusal or "carried",
             "ignored commands": intake.refused + intake.twists.refused,
             "last ignored": refusal,
         }

@@ -97,6 +97,9 @@ class WalkerSettings:
         "Variance of foot slip per metre of trunk travel, for the covariance of odometry",
         (0.0, 1.0, "m^2/m"),
     )
+    foot_friction: float = parameter(
+        0.6, "Friction coefficient of the feet, for their forces on ~/foot_forces", (0.0, 1e3)
+    )
     odom_frame_id: str = parameter("odom", "Frame of odometry")
     enable_odom_tf: bool = parameter(True, "Publish the frame of the trunk on tf")
 

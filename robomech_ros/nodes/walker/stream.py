@@ -129,6 +129,14 @@ class WalkStream:
         return self._knots[0]
 
     @property
+    def around_present(self) -> tuple[WalkUpdate, WalkUpdate, WalkUpdate]:
+        """The updates before, at and after the present knot, a period apart."""
+        here = self._knots[0]
+        before = self._past[-1] if self._past else here
+        after = self._knots[1] if len(self._knots) > 1 else here
+        return before.update, here.update, after.update
+
+    @property
     def moves(self) -> bool:
         """Whether joints move between the knots, or messages are to be repeated."""
         settles = self._knots[0].time < self._settled

@@ -10,7 +10,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PolygonStamped, Pose
 from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import Log
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import JointState, MultiDOFJointState
 from std_msgs.msg import Float64, String
 from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -141,6 +141,27 @@ def test_margin_polygon_and_frame_of_a_robot_that_stands(graph):
             and m.transforms[0].child_frame_id == "left/base_link"
         ),
     )
+
+
+def test_forces_at_the_feet_carry_the_weight_and_torques_exert_them(graph):
+    start(graph, "phantomx")
+    robot = load_legged("phantomx")
+    weight = 9.81 * (1.2 + 6 * 0.17)
+
+    def carried(message):
+        lifted = [one.force.x == one.force.y == one.force.z == 0.0 for one in message.wrench]
+        return any(lifted) and not all(lifted)
+
+    driver = Driver(graph, "cmd_vel", old=0)
+    driver.command(0.015, 0.004, 0.03)
+    forces = graph.receive(MultiDOFJointState, "walker/foot_forces", 20, carried)
+    assert forces.joint_names == list(robot.leg_names) and forces.header.frame_id == "odom"
+    total = sum(one.force.z for one in forces.wrench)
+    assert total == pytest.approx(weight, rel=0.05)
+    assert abs(forces.transforms[0].translation.z) < 0.04
+    efforts = graph.receive(JointState, "walker/joint_efforts", 20, lambda m: True)
+    assert efforts.name == list(robot.joint_names)
+    assert 0.05 < np.abs(efforts.effort).max() < 1.5
 
 
 def test_body_poses_move_the_trunk_over_planted_feet_or_are_refused_by_leg_and_joint(graph):
