@@ -1,5 +1,6 @@
 """Sphinx configuration; `make docs` builds with it, and rosdoc2 finds it here by itself."""
 
+import os
 import re
 import sys
 from importlib import import_module
@@ -14,13 +15,19 @@ project_copyright = f"2026, {author}"
 _found = re.search(r"<version>([^<]+)</version>", (ROOT / "package.xml").read_text("utf-8"))
 release = version = _found[1] if _found else ""
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx.ext.napoleon"]
-source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx.ext.napoleon"]
+source_suffix = {".md": "myst-nb", ".rst": "restructuredtext"}
 exclude_patterns = ["_build"]
 # Several results have fields of one name; none of them is meant as a link.
 suppress_warnings = ["myst.header", "ref.python"]
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
+
+# Notebooks always run: a change of the library can invalidate their results.
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 120
+os.environ["PYTHONPATH"] = str(ROOT)  # for the kernels of the notebooks, which are processes
 
 # Packages load their parts when first asked for; autodoc sees only what is loaded.
 for _name in re.findall(

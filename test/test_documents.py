@@ -10,7 +10,7 @@ from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.robots import list_robots, load_robot
 
 DOC = Path(__file__).resolve().parent.parent / "doc"
-PAGES = sorted(DOC.glob("*.md"))
+PAGES = sorted([*DOC.glob("*.md"), *DOC.glob("notebooks/*.md")])
 
 
 def blocks(page: Path, language: str) -> list[str]:
