@@ -1,4 +1,4 @@
-"""The notebooks in doc/notebooks: every cell runs in order, and the index says what each contains."""
+"""The notebooks in doc/notebooks: all cells run, and the index says what each contains."""
 
 import ast
 import re

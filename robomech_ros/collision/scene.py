@@ -21,7 +21,6 @@ from robomech_ros.collision.scene_objects import (
     Shapes,
     around_object,
     carried_by,
-    covered,
     placed_at,
     read_parts,
 )

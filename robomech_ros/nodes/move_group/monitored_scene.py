@@ -99,8 +99,8 @@ class MonitoredScene:
 
     def add_note(self, scene: "PlanningScene | None", response: Any) -> Any:
         """Add what a scene does not check of the robot to the text of an answer; return that."""
-        if scene is not None and self._scenes is not None:
-            texts = response.error_msg, self._scenes.unchecked
+        if scene is not None and self.scenes is not None:
+            texts = response.error_msg, self.scenes.unchecked
             response.error_msg = "; ".join(filter(None, texts))
         return response
 
