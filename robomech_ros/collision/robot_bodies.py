@@ -141,7 +141,11 @@ def link_bodies(
         faults: dict[str, str] = {}
         # A mesh takes far more memory than the convex bodies that are made of it.
         for link, shape, pose in _link_shapes(description, faults):
-            bodies = shape.parts() if isinstance(shape, Mesh) else [shape.body()]
+            try:
+                bodies = shape.parts() if isinstance(shape, Mesh) else [shape.body()]
+            except RobomechError as error:
+                faults[link] = str(error)
+                continue
             most = max(MOST_SPHERES // len(bodies), _FEWEST_SPHERES)
             found += [LinkBody(link, body, pose, *covered(body, most)) for body in bodies]
         _made[description] = found, faults
