@@ -318,5 +318,21 @@ def test_a_servo(bringup, suite, outsider, tmp_path):
         reached = forward_kinematics(UR5E, client.position)
         np.testing.assert_allclose(reached[:2, 3], start[:2, 3], atol=5e-3)
         np.testing.assert_allclose(reached[:3, :3], start[:3, :3], atol=1e-2)
+        # Down to a table, and not farther.
+        place = (*reached[:2, 3], reached[2, 3] - 0.15)
+        table = {"size": (0.3, 0.3, 0.02), "position": tuple(map(float, place))}
+        client.moveit.add_collision_box("table", quat_xyzw=NO_TURN, **table)
+        client.wait_for_objects("table")
+        scene, pose = PlanningScene(UR5E), np.eye(4)
+        pose[:3, 3] = place
+        scene.add("table", Box(*table["size"]), pose)
+        near, deadline = 0, time.monotonic() + PATIENCE
+        while near < 50:
+            servo(linear=(0.0, 0.0, -1.0))
+            assert time.monotonic() < deadline
+            time.sleep(0.02)
+            near += scene.clearance(client.position).distance < 0.01
+        found = scene.clearance(client.position)
+        assert "table" in found.bodies and found.distance > 0.0, found
         servo.destroy()
         client.moveit.destroy()

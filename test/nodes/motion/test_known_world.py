@@ -54,8 +54,7 @@ def test_the_servo_stops_before_a_wall_and_leaves_it(world, robot, scene, graph)
     hand = Operator(robot, graph, characteristic_length=0.264, **ROBOT)
     assert world.apply(box("wall", SIZES, PLACE))
     halt = ServoStatus.HALT_FOR_COLLISION
-    hand.repeat(hand.speeds(PAN, [-0.8]), lambda: hand.has_code(halt, "'wall'"))
-    assert "m apart" in hand.last_status().message
+    hand.repeat(hand.speeds(PAN, [-0.8]), lambda: hand.has_code(halt, "'wall', 0.00"))
     hand.until_still()
     found = scene.clearance(robot.position)
     assert 0.0009 < found.distance < 0.005 and "wall" in found.bodies
