@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from dispatch_cases import HOME, NAMES, delivery, move_along, stamped
+from dispatch_cases import HOME, NAMES, delivery, follow, move_along, stamped
 
+from robomech_ros.execution.client.dispatcher import Dispatcher
 from robomech_ros.execution.client.execution_request import ExecutionRequest, Transport
 from robomech_ros.trajectory import Waypoints
 
@@ -107,6 +108,29 @@ def test_cancel_ends_when_the_robot_stands(robot, dispatcher):
     move_along(robot, dispatcher, lambda now: stop.sample(now - begin).position, 0.35, 2.0)
     assert (one.report.code, one.report.text) == (222, "enough")
     assert not dispatcher.busy
+
+
+@pytest.mark.parametrize("transport", [Transport.TOPIC, Transport.ACTION])
+def test_what_comes_into_the_way_stops_it_on_its_path_and_later_ones_are_not_sent(robot, transport):
+    walls = []
+    dispatcher = Dispatcher(robot, obstruction=lambda delivery: "".join(walls))
+    one, two = delivery(transport=transport), delivery(start=(0.5, 0.2, 0.1), goal=HOME)
+    dispatcher.offer(one, 0.0)
+    follow(robot, dispatcher, one, 0.05, 0.3)
+    assert one.report is None
+    walls.append("the wall")
+    dispatcher.step(0.3)
+    if transport is Transport.ACTION:
+        assert robot.cancelled == [one]
+        dispatcher.conclude(one, 222, "cancelled", 0.5)
+    else:
+        stop, begin = one.waypoints.curve, one.sent_at + one.delay
+        move_along(robot, dispatcher, lambda now: stop.sample(now - begin).position, 0.35, 2.0)
+    text = "the robot has stopped on its path: the wall"
+    assert (one.report.code, one.report.text) == (215, text)
+    robot.at = np.array([0.5, 0.2, 0.1])
+    dispatcher.offer(two, 3.0)
+    assert (two.report.code, two.report.text) == (215, "not sent: the wall")
 
 
 @pytest.mark.parametrize("jump", [-100.0, -5.0, 2.0])
