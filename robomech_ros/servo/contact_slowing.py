@@ -9,8 +9,8 @@ from typing import NamedTuple, Protocol
 from robomech_ros.servo.report import ServoCondition, ServoReport
 from robomech_ros.typing import Array
 
-# How far ahead a motion is examined (s); a contact that is farther away slows nothing.
-LOOK_AHEAD = 0.3
+# How far ahead a motion is examined at least (s); a proximity slows nothing that is farther away.
+_LOOK_AHEAD = 0.3
 # The braking that approaching contact uses, as a part of the limits; the time constant of the end
 # of an approach (s).
 _PART, _CREEP = 0.5, 0.1
@@ -67,6 +67,11 @@ class Slowing(NamedTuple):
     contact: ContactAhead | None
 
 
+def look_ahead(stop: float) -> float:
+    """Return how far ahead (s) a motion is examined that needs a time to stop (s)."""
+    return max(_LOOK_AHEAD, stop / (2.0 * _PART))
+
+
 def slowed(guard: ContactGuard, ahead: Ahead | None) -> Slowing:
     """Find how much of a command can be followed; None ahead if it moves nothing.
 
@@ -83,7 +88,7 @@ def slowed(guard: ContactGuard, ahead: Ahead | None) -> Slowing:
         1.0,
         left / _CREEP,
         math.sqrt(2.0 * _PART * left / max(ahead.stop, 1e-9)),
-        max(found.distance / max(found.proximity, 1e-9), left / LOOK_AHEAD),
+        max(found.distance / max(found.proximity, 1e-9), left / _LOOK_AHEAD),
     )
     if part < _HALT:
         return Slowing(0.0, found)

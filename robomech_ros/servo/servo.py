@@ -10,10 +10,10 @@ from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_fini
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.servo.commands import Command, JointCommand, PoseCommand, TwistCommand
 from robomech_ros.servo.contact_slowing import (
-    LOOK_AHEAD,
     Ahead,
     ContactGuard,
     contact_report,
+    look_ahead,
     slowed,
 )
 from robomech_ros.servo.cubics import bernstein
@@ -177,9 +177,9 @@ class Servo:
         if not command.rates.any():
             return None
         limited, stop = self.limits.limited(command.rates)
-        q = stream.position
-        end = q + LOOK_AHEAD * limited * command.rates
-        return Ahead(np.array((q, end)), LOOK_AHEAD, stop, limited)
+        q, seconds = stream.position, look_ahead(stop)
+        end = q + seconds * limited * command.rates
+        return Ahead(np.array((q, end)), seconds, stop, limited)
 
     def _follow(self, stream: Stream, command: TwistCommand | JointCommand) -> ServoReport:
         """Go on by one period with a command."""

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from robomech_ros.servo.commands import TwistCommand
-from robomech_ros.servo.contact_slowing import LOOK_AHEAD, Ahead
+from robomech_ros.servo.contact_slowing import Ahead, look_ahead
 from robomech_ros.servo.cubics import FITTED, fitted
 from robomech_ros.servo.exit_search import SingularityExit
 from robomech_ros.servo.limits import ServoLimits
@@ -26,7 +26,7 @@ _PASSING = 0.2
 # How far ahead it is seen how fast rates grow (rad or m), and the part of the acceleration limits
 # that this may use up.
 _AHEAD, _OF_ACCELERATION = 1e-3, 0.4
-# The part of the look-ahead that must be laid, or the twist is followed in thought.
+# If less than this part of the look-ahead is laid, the twist is extrapolated.
 _LAID = 0.2
 # A way so short (s^2, by acceleration limits) leads nowhere.
 _BEGINNING = 1e-6
@@ -98,8 +98,9 @@ class TwistFollowing:
             slope = line.path.slope(line.place)
             limited, stop = self._limits.limited(rate * slope)
             rate *= limited
-            seconds = min(LOOK_AHEAD, (line.path.laid - line.place) / max(rate, 1e-300))
-            if rate and seconds > _LAID * LOOK_AHEAD:
+            laid = (line.path.laid - line.place) / max(rate, 1e-300)
+            seconds = min(look_ahead(stop), laid)
+            if rate and seconds > _LAID * look_ahead(stop):
                 places = line.place + rate * seconds * FITTED
                 curve = fitted(line.path.at(places, np.zeros_like(places))[0])
                 return Ahead(curve, seconds, stop, limited)
@@ -112,16 +113,17 @@ class TwistFollowing:
         limited, stop = self._limits.limited(rates)
         later = q + _AHEAD / largest * rates
         change = self._resolver.heading(later, _twist_of(command, later)).rates - rates
-        step = limited * LOOK_AHEAD * rates
-        bend = (limited * LOOK_AHEAD) ** 2 * largest / _AHEAD * change
-        return Ahead(
-            np.array((q, q + 0.5 * step, q + step + 0.5 * bend)), LOOK_AHEAD, stop, limited
-        )
+        seconds = look_ahead(stop)
+        step = limited * seconds * rates
+        bend = (limited * seconds) ** 2 * largest / _AHEAD * change
+        return Ahead(np.array((q, q + 0.5 * step, q + step + 0.5 * bend)), seconds, stop, limited)
 
     def lay_ahead(self, stream: Stream) -> None:
         """Lay the line as far as a motion is examined, if this period has time left for that."""
         if (line := stream.line) is not None:
-            line.path.reach(line.place + LOOK_AHEAD * line.wanted)
+            rate = line.wanted
+            limited, stop = self._limits.limited(rate * line.path.slope(line.place))
+            line.path.reach(line.place + look_ahead(stop) * limited * rate)
 
     def _along_no_line(self, q: Array, twist: Array, found: Resolution) -> Resolution:
         """Return rates and scale of a twist that is followed along no line, from those found.
