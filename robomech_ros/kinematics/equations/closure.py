@@ -23,8 +23,8 @@ Numbers = Array | ComplexArray
 
 # Three angles at which a combination of cosine, sine and 1 is known by its values, and what takes
 # the values there to its coefficients.
-_THIRDS: Array = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0
-_FROM_THIRDS = np.array([2.0 * np.cos(_THIRDS), 2.0 * np.sin(_THIRDS), np.ones(3)]) / 3.0
+THIRDS: Array = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0
+FROM_THIRDS = np.array([2.0 * np.cos(THIRDS), 2.0 * np.sin(THIRDS), np.ones(3)]) / 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,12 +177,12 @@ def closure_equations(chain: SerialChain, T: ArrayLike, *, first: int = 1) -> Cl
     start = int(number) - 1
     links, size = _loop(chain, target)
     links = np.roll(links, -start, axis=0)
-    q = _THIRDS
+    q = THIRDS
     left = links[1] @ _turns(q, 0, 3) @ links[2] @ _turns(q, 1, 3) @ links[3] @ _turns(q, 2, 3)
     left = _quantities(left @ links[4])
-    left = np.einsum("ai,bj,ck,ijke->eabc", *(_FROM_THIRDS,) * 3, left)
+    left = np.einsum("ai,bj,ck,ijke->eabc", *(FROM_THIRDS,) * 3, left)
     right = _turns(-q, 1, 2) @ np.linalg.inv(links[0]) @ _turns(-q, 0, 2) @ np.linalg.inv(links[5])
-    right = np.einsum("ai,bj,ije->eab", *(_FROM_THIRDS,) * 2, _quantities(right)).reshape(14, 9)
+    right = np.einsum("ai,bj,ije->eab", *(FROM_THIRDS,) * 2, _quantities(right)).reshape(14, 9)
     moved = left.copy()
     moved[:, 2, 2, 2] -= right[:, 8]
     # Combinations of rows in which the eight products of joints 1 and 2 cancel.

@@ -109,10 +109,7 @@ class PlatformEquations:
 
     def residual(self, angles: ArrayLike) -> Numbers:
         """Return the left sides at angles (n,) in rad, real or complex; shape (m,)."""
-        given = as_angles("angles", angles)
-        if given.shape != (len(self.names),):
-            raise WrongSizeError("angles", given.shape, f"({len(self.names)},)")
-        u = circle(given)
+        u = circle(self._checked(angles))
         return np.array(
             [
                 u[:, i] @ table @ u[:, j]
@@ -122,8 +119,7 @@ class PlatformEquations:
 
     def pose(self, angles: ArrayLike) -> Numbers:
         """Return the pose (4, 4) in m at angles (n,) that solve the equations (rad)."""
-        self.residual(angles)
-        return self.placed(np.asarray(angles))
+        return self.placed(self._checked(angles))
 
     def curves(self, first: Array, second: Array) -> Array:
         """Return two equations in the first and the second angle (rad), shapes (...).
@@ -216,6 +212,12 @@ class PlatformEquations:
         if len(angles) != self.degree and maybe != real:
             reason = f"{maybe} roots that may be real led to {real} poses"
         return PlatformRoots(polynomial / greatest, roots, angles, poses, not reason, reason)
+
+    def _checked(self, angles: ArrayLike) -> Numbers:
+        given = as_angles("angles", angles)
+        if given.shape != (len(self.names),):
+            raise WrongSizeError("angles", given.shape, f"({len(self.names)},)")
+        return given
 
     def _bilinear(self, k: int, one: Numbers, other: Numbers) -> Numbers:
         return np.asarray(

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics.equations.closure import turn_about_z
+from robomech_ros.kinematics.equations.closure import FROM_THIRDS, THIRDS, turn_about_z
 from robomech_ros.parallel.argument_checks import actuated
 from robomech_ros.parallel.equations.closure import PlatformEquations
 from robomech_ros.parallel.equations.elimination import Numbers
@@ -17,9 +17,6 @@ from robomech_ros.parallel.stewart_gough import StewartGough
 from robomech_ros.spatial import cross_product_matrix, matrix_from_rotation_vector
 from robomech_ros.typing import Array, ArrayLike
 
-# Three angles that determine a combination of cosine, sine and 1, and its coefficients from them.
-_THIRDS: Array = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0
-_FROM_THIRDS = np.array([2.0 * np.cos(_THIRDS), 2.0 * np.sin(_THIRDS), np.ones(3)]) / 3.0
 # Part of the size by which points that are one differ at most.
 _SAME = 1e-9
 _KINDS = ("StewartGough", "Planar3RPR", "Planar3RRR", "Spherical3RRR")
@@ -31,15 +28,13 @@ Robot = StewartGough | Planar3RPR | Planar3RRR | Spherical3RRR
 def platform_equations(robot: Robot, drives: ArrayLike) -> PlatformEquations:
     r"""Write down the closure equations of a platform for values of its drives.
 
-    ======================  ==========================================================  ======
-    robot                   angles                                                      degree
-    ======================  ==========================================================  ======
-    ``StewartGough``        of each vertex of the platform about the line of its two    16
-                            base points, from the plane that contains the base's middle
-    ``Planar3RPR``, 3-RRR   of the platform, and of leg (or distal link) 1              6
-    ``Spherical3RRR``       of distal link 1 about its axis, and of the platform about  8
-                            its axis 1
-    ======================  ==========================================================  ======
+    Their angles, and the degree of their polynomial, are:
+
+    - ``StewartGough``, degree 16: of each vertex of the platform about the line of its two base
+      points, from the plane through that line and the middle of the base.
+    - ``Planar3RPR`` and ``Planar3RRR``, degree 6: of the platform, and of leg or distal link 1.
+    - ``Spherical3RRR``, degree 8: of distal link 1 about its middle axis, and of the platform about
+      its axis 1.
 
     Parameters
     ----------
@@ -178,8 +173,8 @@ def _of_axes(robot: Spherical3RRR, q: Array) -> PlatformEquations:
 
 def _table(closure: Callable[[Array, Array], Array]) -> Array:
     """Return the coefficients (3, 3) of products of (cos, sin, 1) of two angles."""
-    values = closure(*np.meshgrid(_THIRDS, _THIRDS, indexing="ij"))
-    return np.asarray(_FROM_THIRDS @ values @ _FROM_THIRDS.T)
+    values = closure(*np.meshgrid(THIRDS, THIRDS, indexing="ij"))
+    return np.asarray(FROM_THIRDS @ values @ FROM_THIRDS.T)
 
 
 def _pairs_of_legs(robot: StewartGough) -> list[tuple[int, int]]:
