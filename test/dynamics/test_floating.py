@@ -205,5 +205,10 @@ def test_wrong_arguments_are_named(arm):
         simulate_floating(arm, POSE, q, u, None, -1.0)
     with pytest.raises(BadValueError, match="robot"):
         move_floating_tip(arm.chain, POSE, q, None, 1.0)
-    end = simulate_floating(arm, POSE, q, u, lambda t, q, u: np.full(7, np.inf), 1.0)
-    assert "not finite" in end.reason
+    with pytest.raises(BadValueError, match="torque"):
+        simulate_floating(arm, POSE, q, u, lambda t, q, u: ["much"] * 7, 1.0)
+    with pytest.raises(BadValueError, match="robot"):
+        move_floating_tip(None, POSE, q, None, 1.0)
+    for torque in (np.inf, 1e300, 1e80):
+        end = simulate_floating(arm, POSE, q, u, lambda t, q, u, T=torque: np.full(7, T), 1.0)
+        assert ("ran away" in end.reason or "failed" in end.reason) and len(end.t) == 1

@@ -150,7 +150,7 @@ class FloatingChain:
         H, about = self.mass_matrix(q), np.zeros(6)
         if momentum is not None:
             about = as_single("momentum", momentum, (6,)).copy()
-            about[:3] += np.cross(_first_moment(H) / H[3, 3], about[3:])
+            about[:3] += H[:3, 3:6] @ about[3:] / H[3, 3]
         twist = self._solved(H[:6, :6], about - H[:6, 6:] @ given)
         return np.concatenate((twist, given))
 
@@ -375,8 +375,3 @@ def _surroundings(gravity: ArrayLike, tip_wrench: ArrayLike | None) -> Array:
     if gravity is WEIGHTLESS and tip_wrench is None:
         return _NOTHING
     return surroundings((6,), gravity, tip_wrench)
-
-
-def _first_moment(H: Array) -> Array:
-    """Read mass times mass centre from the inertia of all as one body."""
-    return np.array([H[2, 4], H[0, 5], H[1, 3]])

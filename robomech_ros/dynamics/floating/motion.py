@@ -12,13 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robomech_ros.dynamics.checked_states import refuse_large
 from robomech_ros.dynamics.floating.chain import FloatingChain
 from robomech_ros.dynamics.friction import friction_model, friction_of_rates
 from robomech_ros.dynamics.model import positive_number
 from robomech_ros.dynamics.simulation.equations_of_motion import RunAwayError
 from robomech_ros.dynamics.simulation.integration import FINISHED, MOST_STEPS
 from robomech_ros.dynamics.simulation.simulate import as_times
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial import (
@@ -29,7 +30,7 @@ from robomech_ros.spatial import (
     quaternion_from_matrix,
     rotation_vector_from_matrix,
 )
-from robomech_ros.spatial.arrays import as_single, check_kind, of_shape, real_array
+from robomech_ros.spatial.arrays import as_finite, as_single, check_kind, of_shape, real_array
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array, ArrayLike
 
@@ -238,8 +239,7 @@ def move_floating_tip(
     Umetani, Yoshida, Resolved motion rate control of space manipulators with generalized Jacobian
     matrix, IEEE Trans. Robotics and Automation 5, 1989.
     """
-    given = np.zeros(6 + robot.n) if rates is None else rates
-    kept, start, _, grid = _started(robot, pose, q, given, duration, times)
+    kept, start, _, grid = _started(robot, pose, q, rates, duration, times)
     n, chain = robot.n, robot.chain
     first = as_pose(pose) @ forward_kinematics(chain, start[4:])
     last = first if goal is None else as_pose(as_single("goal", goal, (4, 4)), what="goal")
@@ -299,14 +299,16 @@ def _started(
     robot: FloatingChain,
     pose: ArrayLike,
     q: ArrayLike,
-    rates: ArrayLike,
+    rates: ArrayLike | None,
     duration: float,
     times: ArrayLike | None,
 ) -> tuple[_Conserved, Array, Array, Array]:
     """Check a start; give what is conserved, quaternion with joints, joint rates, and times."""
     check_kind("robot", robot, FloatingChain, "a FloatingChain")
     T = as_pose(as_single("pose", pose, (4, 4)))
-    joints, u = as_single("q", q, (robot.n,)), as_single("rates", rates, (6 + robot.n,))
+    joints, u = as_single("q", q, (robot.n,)), np.zeros(6 + robot.n)
+    if rates is not None:
+        u = as_single("rates", rates, (6 + robot.n,))
     end = positive_number("duration", duration)
     grid = as_times(times, end)
     if grid is None:
@@ -321,34 +323,47 @@ def _integrated(
     change: Callable[[float, Array], Array],
     start: Array,
     grid: Array,
-    check: Callable[[float, Array], None] | None = None,
+    check: Callable[[float, Array], None] = lambda t, state: None,
 ) -> tuple[Array, Array, str]:
     """Integrate from 0 s; give the times that were reached, the states there, and the reason.
 
-    The check of start and steps, and the derivatives, end the motion by a RunAwayError.
+    The check of start and steps, and the derivatives, end the motion by a RunAwayError.  What is
+    wrong with the derivative at the start is raised.
     """
     from scipy.integrate import DOP853
 
-    t, states, inside, why = [0.0], [start], None, FINISHED
+    def refusing(t: float, state: Array) -> Array:
+        try:
+            found = as_finite("derivative", change(t, as_finite("state", state, ())), ())
+            # The squares of larger ones leave the solver no step.
+            refuse_large("derivative", found)
+            return found
+        except (BadValueError, NonFiniteError) as error:
+            raise RunAwayError(f"the motion ran away at {t:.6g} s: {error}") from None
+
+    times, states, why = [0.0], [start], FINISHED
+    steps, inside = iter(range(MOST_STEPS)), None
     try:
-        if check is not None:
+        # What overflows is found in the states.
+        with np.errstate(over="ignore", invalid="ignore"):
             check(0.0, start)
-        solver = DOP853(change, 0.0, start, grid[-1], rtol=_TOLERANCE, atol=_TOLERANCE)
-        for wanted in grid[1 if grid[0] == 0.0 else 0 :]:
-            for _ in range(MOST_STEPS):
-                if solver.t >= wanted:
-                    break
-                if message := solver.step():
-                    raise RunAwayError(f"the integration failed at {solver.t:.6g} s: {message}")
-                inside = solver.dense_output()
-                if check is not None:
+            change(0.0, start)
+            solver = DOP853(refusing, 0.0, start, grid[-1], rtol=_TOLERANCE, atol=_TOLERANCE)
+            for wanted in grid[grid > 0.0]:
+                while solver.t < wanted:
+                    if next(steps, None) is None:
+                        raise RunAwayError(f"{MOST_STEPS} steps did not reach the end")
+                    if message := solver.step():
+                        raise RunAwayError(f"the integration failed at {solver.t:.6g} s: {message}")
                     check(solver.t, solver.y)
-            t.append(float(wanted))
-            states.append(start if inside is None else inside(wanted))
+                    inside = None
+                inside = inside or solver.dense_output()
+                times.append(float(wanted))
+                states.append(inside(wanted))
     except RunAwayError as error:
         why = str(error)
-    keep = 1 if grid[0] > 0.0 and len(t) > 1 else 0
-    return np.array(t[keep:]), np.array(states[keep:]), why
+    keep = 1 if grid[0] > 0.0 and len(times) > 1 else 0
+    return np.array(times[keep:]), np.array(states[keep:]), why
 
 
 def _as_torque(torque: ArrayLike | FloatingTorque | None, n: int) -> FloatingTorque:
@@ -365,5 +380,5 @@ def _rotation(Q: Array) -> Array:
 
 def _spun(Q: Array, w: Array) -> Array:
     """Return the derivative of a quaternion (4,) for an angular velocity in its own axes."""
-    vector = 0.5 * (Q[3] * w + np.cross(Q[:3], w))
-    return np.concatenate((vector, [-0.5 * (Q[:3] @ w)]))
+    x, y, z, s = (0.5 * Q).tolist()
+    return np.array([[s, -z, y], [z, s, -x], [-y, x, s], [-x, -y, -z]]) @ w
