@@ -21,6 +21,8 @@ from robomech_ros.walking.stance_mechanism import contact_rows
 SMALLEST = ("forces", "torques")
 UPWARDS = (0.0, 0.0, 1.0)
 _MOST_FRICTION = 1e3
+# Part of the load that the solver leaves open.
+_OPEN = 1e-7
 # Smallest size of what is sought.
 _LEAST_SIZE = 1e-6
 # Part of the load that rounding leaves, and by which the solver's cones are narrower.
@@ -227,7 +229,9 @@ def foot_forces(
     exerted = own - np.einsum("kij,ki->kj", J, forces).ravel()
     along = np.einsum("ki,ki->k", forces, upward)
     aside = np.linalg.norm(forces - along[:, None] * upward, axis=1)
-    used = np.divide(aside, mu * along, out=np.zeros_like(along), where=mu * along > 0.0)
+    # A foot with no more force than the solver leaves open uses no friction.
+    pressed = mu * along > _OPEN * np.abs(load[3:]).max()
+    used = np.divide(aside, mu * along, out=np.zeros_like(along), where=pressed)
     return FootForces(forces, exerted, used, np.abs(exerted) / robot.effort)
 
 

@@ -79,7 +79,7 @@ def searched(robot, wrench, stance, smallest):
 )
 def test_forces_are_the_smallest_of_a_general_search(robot, stance, wrench, smallest):
     found = foot_forces(robot, robot.home, wrench, stance=stance, friction=MU, smallest=smallest)
-    assert np.abs(balance(robot, found.forces, wrench)).max() < 1e-7 * np.abs(wrench).max()
+    assert np.abs(balance(robot, found.forces, wrench)).max() < 1e-8 * np.abs(wrench).max()
     assert found.used_friction.max() <= 1.0 and found.used_effort.max() <= 1.0 + 1e-7
     J = robot.foot_jacobians(robot.home)
     np.testing.assert_allclose(found.torques, -np.einsum("kij,ki->kj", J, found.forces).ravel())
