@@ -121,7 +121,7 @@ def _motion(
     rows.append(waypoints.accelerations)
     if times[0] > 0.0:
         # The motion begins where the robot is, at rest.
-        if any(name not in known for name in chain.joint_names):
+        if any(name not in known for name in names):
             return None
         here = np.array([[known[name] for name in names]])
         first = here, np.zeros_like(here), np.zeros_like(here)
