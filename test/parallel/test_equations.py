@@ -104,6 +104,7 @@ def test_random_robots(kind):
 
 
 @pytest.mark.long
+@pytest.mark.timeout(900)
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_hundred_robots(kind):
     rng = np.random.default_rng(6)
