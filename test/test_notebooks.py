@@ -55,6 +55,8 @@ def test_a_notebook_has_all_its_parts(page):
     body, heading, exercises = text.partition("\n## Exercises\n")
     assert heading
     assert "$$" in body
+    prose = re.sub(r"^(```|\$\$)\S*$.*?^\1$", "", text, flags=re.DOTALL | re.MULTILINE)
+    assert not re.search(r"^[+=] ", prose, re.MULTILINE)  # a formula broken there becomes a list
     _, heading, second = body.partition("\n## A second route")
     assert heading
     assert assertions(second)
