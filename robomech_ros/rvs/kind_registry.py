@@ -53,6 +53,7 @@ VIEW_KINDS: Mapping[str, ViewKind] = {
     PARALLEL: ViewKind((
         "platform:PlatformLayer",
         "platform_workspace:PlatformWorkspaceLayer",
+        "platform_contours:PlatformContoursLayer",
         "motions:MotionLayer",
         "camera:CameraLayer",
     )),
