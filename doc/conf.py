@@ -6,8 +6,6 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
-from jupyter_client import KernelManager
-
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
@@ -26,7 +24,6 @@ myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
 
 # Notebooks always run: a change of the library can invalidate their results.
-KernelManager.transport.default_value = "ipc"  # TCP would warn that it is not encrypted
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120
