@@ -163,6 +163,6 @@ docs: ## build the pages of doc/ into doc/_build, in .venv-docs
 	@echo "docs: doc/_build/index.html"
 
 clean: ## remove the environments and all that was built
-	rm -rf .venv .venv-jazzy .venv-bench .venv-docs build install log dist demo_output doc/_build \
+	rm -rf .venv .venv-jazzy .venv-bench .venv-docs build install log dist demo_output doc/_build doc/jupyter_execute \
 	    *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 	find robomech_ros test tools -name __pycache__ -prune -exec rm -rf {} +
