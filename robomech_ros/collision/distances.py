@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Collection, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -9,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robomech_ros._kernels.collision.bounds import frames_at, near_pairs
-from robomech_ros._kernels.collision.shapes import SPHERES
+from robomech_ros._kernels.collision.grids import CELLS
+from robomech_ros._kernels.collision.shapes import DRIVE, GAIN, KIND, PARENT, SPHERES
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros.collision.libraries import coal
 from robomech_ros.collision.robot_bodies import as_row
@@ -21,6 +23,8 @@ _NO_PAIRS = np.empty((0, 5))
 # Tolerance of the search for the nearest points (m): the default of 1e-6 would show between round
 # bodies.  Below 1e-11 it fails at times, and so does that for depths below its 1e-6.
 _TOLERANCE = 1e-10
+# Scenes of a robot that differ in joints beside the chain, whose bounds are kept.
+_MOST_KNOWN = 4
 
 
 class PlacedBody(NamedTuple):
@@ -38,6 +42,8 @@ class PlacedBody(NamedTuple):
     spheres : ndarray, shape (s, 8)
         What covers it, in its own frame; without rows where it belongs to the world.
     around : ndarray, shape (4,)
+    is_carried : bool
+        Whether it is an object that a link carries.
     """
 
     owner: str
@@ -46,6 +52,7 @@ class PlacedBody(NamedTuple):
     body: Body
     spheres: Array
     around: Array
+    is_carried: bool = False
 
 
 class Clearance(NamedTuple):
@@ -79,6 +86,8 @@ class Distances:
         Whether a pair of two of them is looked at.
     padding : float
         By how much links count as wider against objects (m).
+    known : dict
+        Bounds of distances between links, which other scenes of the robot share.
     """
 
     def __init__(
@@ -87,13 +96,16 @@ class Distances:
         placed: Sequence[PlacedBody],
         checked: Callable[[PlacedBody, PlacedBody], bool],
         padding: float,
+        known: dict[bytes, Array],
     ) -> None:
         self.placed = placed
         spheres, bodies, first = [np.empty((0, 8))], [], 0
-        for one in placed:
+        corners, neighbours = _hulls(placed)
+        for one, corner in zip(placed, np.cumsum([0, *(len(one.body.corners) for one in placed)])):
             count = len(one.spheres)
             kind = SPHERES if count else one.body.kind
-            bodies.append([one.frame, first, first + count, kind, one.body.exact])
+            row = [one.frame, first, first + count, kind, one.body.exact]
+            bodies.append([*row, corner, one.body.radius, one.body.hull_kind])
             moved = one.spheres.copy()
             for column in (0, 4):
                 moved[:, column : column + 3] = _moved(
@@ -104,19 +116,24 @@ class Distances:
         around = [[*_moved(one.pose, one.around[:3]), one.around[3]] for one in placed]
         shapes = [[*as_row(one.pose @ one.body.pose), *one.body.sizes] for one in placed]
         pairs = _pairs(joints, placed, checked, padding)
+        # The first pair of each group, and the end of the last.
+        starts = np.flatnonzero(np.diff(pairs[:, 4], prepend=-1.0, append=-2.0))
+        self.groups: list[int] = starts.tolist()
         self.tables = (
             joints,
-            np.array(bodies, dtype=np.float64).reshape(-1, 5),
+            np.array(bodies, dtype=np.float64).reshape(-1, 8),
             np.array(around).reshape(-1, 4),
             np.concatenate(spheres),
             np.array(shapes).reshape(-1, 15),
             np.array([as_row(one.pose) for one in placed]).reshape(-1, 12),
             pairs,
+            corners,
+            neighbours,
+            np.zeros((len(pairs), 5)),
+            *_grids(joints, placed, pairs, self.groups, known),
         )
+        self.tables[9][:, 3:] = self.tables[1][pairs[:, :2].astype(np.int64), 5]
         self.numbers: IntArray = pairs[:, :2].astype(np.int64)
-        # The first pair of each group.
-        starts = np.flatnonzero(np.diff(pairs[:, 4], prepend=-1.0, append=-1.0))
-        self.groups: list[int] = starts.tolist()
         self._functions: dict[int, Any] = {}
         self._request, self._result = coal().DistanceRequest(), coal().DistanceResult()
         self._request.gjk_tolerance = _TOLERANCE
@@ -281,6 +298,63 @@ class Distances:
 def _moved(pose: Array, points: Array) -> Array:
     moved: Array = points @ pose[:3, :3].T + pose[:3, 3]
     return moved
+
+
+def _hulls(placed: Sequence[PlacedBody]) -> tuple[Array, IntArray]:
+    """Return the corners (k, 5) of all bodies in their frames, and which are neighbours."""
+    rows, neighbours, count, first = [np.empty((0, 5))], [np.empty(0, dtype=np.int64)], 0, 0
+    for one in placed:
+        size = len(one.body.corners)
+        starts, targets = one.body.edges[: size + 1], one.body.edges[size + 1 :]
+        where = np.column_stack([starts[:-1], starts[1:]]) + count
+        rows.append(np.column_stack([_moved(one.pose, one.body.corners), where]))
+        neighbours.append(targets + first)
+        count += len(targets)
+        first += size
+    return np.ascontiguousarray(np.concatenate(rows)), np.concatenate(neighbours)
+
+
+def _grids(
+    joints: Array,
+    placed: Sequence[PlacedBody],
+    pairs: Array,
+    groups: list[int],
+    known: dict[bytes, Array],
+) -> tuple[Array, Array]:
+    """Return the grids (g, 5) of the groups of pairs, and their cells; see `_kernels`."""
+    numbers = pairs.astype(np.int64)
+    grids, size = np.full((len(groups) - 1, 5), -1.0), 0
+    chosen = [np.empty((0, 2), dtype=np.int64)]
+    for g, (first, last) in enumerate(itertools.pairwise(groups)):
+        grids[g, 3:] = first, last
+        a, b, common = numbers[first, :3].tolist()
+        drives = _two_drives(joints, (placed[a].frame, placed[b].frame), common)
+        if not drives or placed[a].is_carried or placed[b].is_carried or not len(placed[b].spheres):
+            continue
+        grids[g, :3] = drives[0], drives[-1] if len(drives) == 2 else -1, size
+        size += CELLS ** len(drives)
+        chosen.append(numbers[first:last, :2])
+    bodies = np.concatenate(chosen)
+    poses = b"".join(placed[k].pose.tobytes() for k in np.unique(bodies).tolist())
+    key = b"".join((joints.tobytes(), bodies.tobytes(), poses))
+    if key not in known:
+        while len(known) >= _MOST_KNOWN:
+            known.pop(next(iter(known)), None)
+        known[key] = np.zeros(size)
+    return grids, known[key]
+
+
+def _two_drives(joints: Array, frames: tuple[int, int], common: int) -> list[int]:
+    """Return the drives of the joints between two frames if these are one or two that turn."""
+    drives = []
+    for frame in frames:
+        while frame != common:
+            row = joints[frame - 1]
+            if row[KIND] != 0.0 or abs(row[GAIN]) != 1.0:
+                return []
+            drives.append(int(row[DRIVE]))
+            frame = int(row[PARENT])
+    return drives if len(set(drives)) == len(drives) <= 2 else []
 
 
 def _pairs(

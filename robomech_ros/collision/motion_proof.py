@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from robomech_ros._kernels.collision.bounds import UNCERTAIN
 from robomech_ros._kernels.collision.motions import CONTACT, FREE, group_part, sweep
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros.collision.distances import Distances
@@ -28,15 +29,16 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.typing import Array
 
 _sweep, _group_part = direct(sweep), direct(group_part)
-# Bodies that move by less (m) are looked at by coal where spheres do not decide.
-_STEP = 0.03
+# Hulls of bodies that move by less (m) are looked at where spheres do not decide, and coal looks at
+# those that move by less than the second length.
+_STEP, _FINE = 0.03, 1e-4
+# Between the postures at which a motion is looked at before it is proved, no body moves by more (m).
+_LOOK = 0.015
 # Below this travel (m) a part is not halved any more, and a contact is found well enough.
 RESOLUTION = 1e-5
 _FIRST = 1e-4
 # A first contact is not looked for in parts of a piece that are shorter than this.
 _SHORTEST = 1e-6
-# By how much a distance that coal computes may be too large (m).
-_UNCERTAIN = 1e-6
 # Places for parts that are left to coal.
 _PLACES = 4096
 # After so many parts that could not be proved, no contact is looked for behind them.
@@ -111,11 +113,11 @@ class MotionProof:
         self._distances = distances
         self._clearance = clearance
         self.least = math.inf
-        joints, bodies, _, spheres, shapes, placed, pairs = distances.tables
+        joints, bodies, _, spheres, shapes, placed, pairs = distances.tables[:7]
         count = len(pairs)
         self._all = np.arange(count)
         self._tables = joints, bodies, spheres, shapes, placed, pairs
-        self._limits = np.array([clearance, _STEP])
+        self._limits = np.array([clearance, _STEP, _FINE, 0.0])
         self._found = np.zeros(4)
         # One part may leave all pairs open.
         self._parts = np.zeros((max(_PLACES, count), 2))
@@ -157,6 +159,17 @@ class MotionProof:
                 return best
             else:
                 begin += span * at
+
+    def seems_free(self, curve: Array) -> bool:
+        """Whether a curve is free wherever it is looked at, which proves nothing in between."""
+        if not len(self._all):
+            return True
+        self._limits[2:] = _LOOK, 1.0
+        status = self._sweep(curve)
+        self._limits[2:] = _FINE, 0.0
+        if status == FREE and not self._found[0]:
+            return True
+        return status == FREE and self.obstruction(curve, first=False) is None
 
     def _sweep(self, curve: Array) -> int:
         status: int = _sweep(
@@ -232,7 +245,7 @@ class MotionProof:
         distances, unclear, largest, share = self._distances, list[int](), 0.0, 1.0
         for k in range(count):
             pair, travel = int(self._pairs[k]), float(self._travel[k])
-            needed = travel + self._clearance + _UNCERTAIN
+            needed = travel + self._clearance + UNCERTAIN
             if self._low[k] - distances.padding[pair] > needed:
                 continue
             place = self._turns, self._origins, 2 * k
@@ -251,7 +264,7 @@ class MotionProof:
                 unclear.append(pair)
                 largest = max(largest, travel)
                 if travel > 0.0:
-                    share = min(share, (distance - self._clearance - _UNCERTAIN) / travel)
+                    share = min(share, (distance - self._clearance - UNCERTAIN) / travel)
         return _Middle(-1, unclear, largest, max(share, 0.0))
 
 

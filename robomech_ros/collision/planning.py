@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.collision.libraries import PLANNERS, ompl
-from robomech_ros.collision.motion_proof import MotionProof, check_motion
+from robomech_ros.collision.motion_proof import MotionProof
 from robomech_ros.errors import RobomechError, SeedOutsideLimitsError
 from robomech_ros.kinematics import inverse_kinematics
 from robomech_ros.kinematics.joint_values import as_finite_values, as_posture
@@ -22,15 +22,13 @@ from robomech_ros.spatial.arrays import as_choice, finite_within, real_array, wh
 from robomech_ros.typing import Array
 
 # The longest step of a tree (rad and m together).
-_RANGE = 1.5
+_RANGE = 0.8
 # Tolerance of the least distance (m).
 _SLACK = 1e-6
 # How far outside its limits a joint may be given (rad or m): 3.14159 is 3e-6 less than half a turn.
 _ROUNDED = 1e-5
 # How a contact at the start is left: step (rad or m), the most steps, random directions of each.
 _STEP, _STEPS, _DIRECTIONS = 0.02, 60, 24
-# Shares of a motion at which contact is looked for before it is proved: first its new end.
-_LOOKS = (0.0, 0.5, 0.25)
 # The random numbers of OMPL are the process's.
 _lock = threading.Lock()
 
@@ -116,9 +114,8 @@ def plan_path(
     path, goal = search.path(leaving[-1], postures, kept)
     if goal < 0:
         return ended(PlanStatus.NO_PATH, _unreached(request, search, postures, kept))
-    proved = check_motion(chain, scene.distances, path, request.clearance).certified
     whole = np.concatenate([np.array(leaving[:-1]).reshape(-1, chain.n), path])
-    return ended(PlanStatus.SOLVED, note, whole, goal, proved and not note)
+    return ended(PlanStatus.SOLVED, note, whole, goal, not note)
 
 
 def _unreached(request: PlanRequest, search: _Search, postures: Array, kept: list[int]) -> str:
@@ -131,48 +128,62 @@ def _unreached(request: PlanRequest, search: _Search, postures: Array, kept: lis
 
 
 class _Search:
-    """A search by OMPL whose motions are proved."""
+    """A search by OMPL whose motions are looked at, and those of the path that it finds proved."""
 
     def __init__(self, scene: Any, request: PlanRequest, deadline: float) -> None:
         self._scene, self._request, self._deadline = scene, request, deadline
         self._distances = scene.distances
         self._proof = MotionProof(self._distances, request.clearance)
         self._free: dict[tuple[float, ...], None] = {}
+        self._strict = False
         self.tried = 0
 
     def path(self, start: Array, postures: Array, kept: list[int]) -> tuple[Array, int]:
         """Find a path from the start to one of the postures kept, and which; -1 for none."""
-        self._free[tuple(start.tolist())] = None
         order = sorted(kept, key=lambda k: float(np.abs(postures[k] - start).max()))
-        for k in order:
-            self._free[tuple(postures[k].tolist())] = None
+        for q in (start, *postures[order]):
+            self._free[tuple(q.tolist())] = None
         for k in order:
             if self._is_over():
                 break
-            if self.proves(start.tolist(), postures[k].tolist()):
-                return np.array([start, postures[k]]), k
+            straight = np.array([start, postures[k]])
+            if self.passes(*straight.tolist()) and self._proves(straight):
+                return straight, k
         path = self._sampled(start, postures[order])
         if path is None:
             return np.empty((0, len(start))), -1
         goal = min(order, key=lambda k: float(np.abs(postures[k] - path[-1]).max()))
         path[0], path[-1] = start, postures[goal]
-        return path, goal
+        proved = self._proved(path)
+        return (proved, goal) if proved is not None else (np.empty((0, len(start))), -1)
 
-    def proves(self, a: list[float], b: list[float]) -> bool:
-        """Whether the straight motion between two postures is proved free."""
+    def _proved(self, path: Array) -> Array | None:
+        """Replace the motions of a path that cannot be proved, by ones that can."""
+        pieces, strict = [path[:1]], self._strict
+        self._strict = True
+        for piece in (path[k : k + 2] for k in range(len(path) - 1)):
+            found: Array | None = piece
+            if not strict and not self._proves(piece):
+                found = self._sampled(piece[0], piece[1:])
+            if found is None:
+                return None
+            pieces.append(found[1:])
+        return np.concatenate(pieces)
+
+    def _proves(self, motion: Array) -> bool:
+        return self._proof.obstruction(motion, first=False) is None
+
+    def passes(self, a: list[float], b: list[float]) -> bool:
+        """Whether the straight motion between two postures looks free, or is proved if it must."""
         self.tried += 1
         # The end that is not known yet is the one likely to be in contact: it is looked at first.
         if tuple(b) in self._free:
             a, b = b, a
         curve = np.array([b, a])
-        clearance = self._request.clearance
-        for share in _LOOKS[0 if tuple(b) not in self._free else 1 :]:
-            if (
-                self._distances.contact(curve[0] + share * (curve[1] - curve[0]), clearance)
-                is not None
-            ):
+        if tuple(b) not in self._free:
+            if self._distances.contact(curve[0], self._request.clearance) is not None:
                 return False
-        if self._proof.obstruction(curve, first=False) is not None:
+        if not self._proof.seems_free(curve) or (self._strict and not self._proves(curve)):
             return False
         self._free[tuple(b)] = None
         return True
@@ -200,7 +211,7 @@ class _Search:
 
         class Proved(base.MotionValidator):  # type: ignore[misc, name-defined]
             def checkMotion(self, a: Any, b: Any, *_: Any) -> bool:
-                return search.proves([a[i] for i in entries], [b[i] for i in entries])
+                return search.passes([a[i] for i in entries], [b[i] for i in entries])
 
         validator = Proved(information)
         information.setMotionValidator(validator)

@@ -87,6 +87,7 @@ class PlanningScene:
         self.padding = finite_within("padding", padding, expected, 0.0, LARGEST_PADDING)
         self._others: dict[str, float] = {}
         self._objects: dict[str, SceneObject] = {}
+        self._known_bounds: dict[bytes, Array] = {}
         self._links, self.unchecked = link_bodies(self.chain.description)
         self._allowed: dict[frozenset[str], str] = {}
         self._places = place_links(self.chain, self._others)
@@ -383,7 +384,8 @@ class PlanningScene:
                 if one.link:
                     place = links[one.link]
                     there = place.pose @ one.pose @ pose
-                    placed.append(PlacedBody(one.name, place.frame, there, body, *one.covers[k]))
+                    cover = one.covers[k]
+                    placed.append(PlacedBody(one.name, place.frame, there, body, *cover, True))
                 else:
                     there = one.pose @ pose
                     world.append(
@@ -393,7 +395,7 @@ class PlanningScene:
         def checked(first: PlacedBody, second: PlacedBody) -> bool:
             return first.owner != second.owner and not self._reason(first.owner, second.owner)
 
-        return Distances(self._places.joints, [*placed, *world], checked, self.padding)
+        return Distances(self._places.joints, [*placed, *world], checked, self.padding, self._known_bounds)
 
     def _reason(self, first: str, second: str) -> str:
         """Say why two bodies are not checked; empty if they are."""

@@ -13,8 +13,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import ConvexHull, QhullError
 
+from robomech_ros._kernels.collision.hulls import HULL, ROUND
 from robomech_ros._kernels.collision.shapes import BALL, BOX, CAPSULE, CYLINDER, HALF_SPACE, SPHERES
 from robomech_ros.collision.convex_parts import convex_parts, is_closed
+from robomech_ros.collision.hull_edges import hull_edges, joined, prism_edges, pyramid_edges
 from robomech_ros.collision.libraries import coal
 from robomech_ros.errors import BadValueError
 from robomech_ros.regular_files import open_regular
@@ -35,6 +37,13 @@ _STL_HEADER, _STL_TRIANGLE = 84, 50
 _UNEVEN = 1e-6
 # Sides of the prism around a cylinder.
 _SIDES = 16
+_PRISM, _PYRAMID, _BAR, _DOT = (
+    prism_edges(_SIDES),
+    pyramid_edges(_SIDES),
+    joined([(0, 1)], 2),
+    joined([], 1),
+)
+_CUBE = joined([(i, i ^ bit) for i in range(8) for bit in (1, 2, 4)], 8)
 
 
 class Body(NamedTuple):
@@ -45,6 +54,8 @@ class Body(NamedTuple):
     geometry : coal.CollisionGeometry
     corners : ndarray, shape (k, 3)
         The body is inside their convex hull, or within ``radius`` of it.
+    edges : ndarray of int
+        Which corners of the hull are neighbours; see `hull_edges`.
     radius : float
     kind : int
         The simple shape that the body is, or that is around it; see `_kernels.collision`.
@@ -62,6 +73,7 @@ class Body(NamedTuple):
 
     geometry: Any
     corners: Array
+    edges: IntArray
     radius: float = 0.0
     kind: int = SPHERES
     sizes: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -69,6 +81,13 @@ class Body(NamedTuple):
     exact: bool = True
     surface: Any = None
     triangles: Array | None = None
+
+    @property
+    def hull_kind(self) -> float:
+        """What kernels may take the body for: the hull of its corners, a cylinder, or neither."""
+        if self.kind == CYLINDER and self.exact:
+            return ROUND
+        return HULL if self.kind in (BOX, BALL, CAPSULE) and self.surface is None else 0.0
 
     def encloses(self, point: Array) -> bool:
         """Whether a surface of triangles goes around a point: by the solid angles it sees."""
@@ -109,7 +128,7 @@ class Box(Shape):
         half = 0.5 * np.array([self.x, self.y, self.z])
         signs = np.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
         geometry = coal().Box(self.x, self.y, self.z)
-        return Body(geometry, signs * half, 0.0, BOX, tuple(half.tolist()))
+        return Body(geometry, signs * half, _CUBE, 0.0, BOX, tuple(half.tolist()))
 
 
 @dataclass(frozen=True)
@@ -124,7 +143,7 @@ class Sphere(Shape):
     def body(self) -> Body:
         """Return what distances are computed from."""
         geometry = coal().Sphere(self.radius)
-        return Body(geometry, np.zeros((1, 3)), self.radius, BALL, (self.radius, 0.0, 0.0))
+        return Body(geometry, np.zeros((1, 3)), _DOT, self.radius, BALL, (self.radius, 0.0, 0.0))
 
 
 @dataclass(frozen=True)
@@ -142,7 +161,7 @@ class Cylinder(Shape):
         ring = _ring(self.radius, -0.5 * self.height)
         corners = np.concatenate([ring, ring + [0.0, 0.0, self.height]])
         geometry = coal().Cylinder(self.radius, self.height)
-        return Body(geometry, corners, 0.0, CYLINDER, (self.radius, 0.5 * self.height, 0.0))
+        return Body(geometry, corners, _PRISM, 0.0, CYLINDER, (self.radius, 0.5 * self.height, 0.0))
 
 
 @dataclass(frozen=True)
@@ -163,7 +182,7 @@ class Capsule(Shape):
         half = 0.5 * self.height
         corners = np.array([[0.0, 0.0, -half], [0.0, 0.0, half]])
         geometry = coal().Capsule(self.radius, self.height)
-        return Body(geometry, corners, self.radius, CAPSULE, (self.radius, half, 0.0))
+        return Body(geometry, corners, _BAR, self.radius, CAPSULE, (self.radius, half, 0.0))
 
 
 @dataclass(frozen=True)
@@ -182,7 +201,7 @@ class Cone(Shape):
         corners = np.concatenate([_ring(self.radius, -half), [[0.0, 0.0, half]]])
         geometry = coal().Cone(self.radius, self.height)
         sizes = (self.radius, half, 0.0)
-        return Body(geometry, corners, 0.0, CYLINDER, sizes, exact=False)
+        return Body(geometry, corners, _PYRAMID, 0.0, CYLINDER, sizes, exact=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,7 +226,7 @@ class Plane(Shape):
         pose = rotation_from_z(self.normal)
         pose[:3, 3] = self.offset * self.normal
         geometry = coal().Halfspace(self.normal, self.offset)
-        return Body(geometry, pose[None, :3, 3], 0.0, HALF_SPACE, pose=pose)
+        return Body(geometry, pose[None, :3, 3], _DOT, 0.0, HALF_SPACE, pose=pose)
 
 
 class Mesh(Shape):
@@ -407,7 +426,7 @@ def _hull(corners: Array) -> Body:
         farther = 1.0 + _UNEVEN * np.random.default_rng(0).random((len(corners), 1))
         corners = middle + farther * (corners - middle)
         hull = _convex(corners)
-    return Body(hull, corners, 0.0, *_box_around(corners), exact=False)
+    return Body(hull, corners, hull_edges(corners), 0.0, *_box_around(corners), exact=False)
 
 
 def _convex(corners: Array) -> Any:

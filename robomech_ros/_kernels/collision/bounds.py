@@ -1,11 +1,13 @@
 """Which pairs of bodies may be in contact: bounds of their distances by spheres.
 
 A body is covered by spheres, and holds as many inside it: rows of ``spheres`` (s, 8) with centre
-and radius of both.  Rows of ``bodies`` (b, 5) have the frame that the body moves with, its first
+and radius of both.  The first columns of ``bodies`` have the frame that the body moves with, its first
 sphere and the one after its last, the kind of simple shape that it is or lies in (``SPHERES`` for
 none) and 1 where it is that shape exactly; rows of ``around`` (b, 4) a sphere around all of it.
 Centres are in the frame.  Rows of ``shapes`` (b, 15) hold pose and sizes of the simple shape, rows
-of ``placed`` (b, 12) the pose of the body itself, both in the frame.  Rows of ``pairs`` (p, 5) have
+of ``placed`` (b, 12) the pose of the body itself, both in the frame.  Each body is inside the
+convex hull of its corners, or within its radius of that: columns 5 to 7 of ``bodies`` (b, 8) have
+its first corner, the radius, and what the body is (see `hulls`).  Rows of ``pairs`` (p, 5) have
 the two bodies, of which the first has spheres, the frame before the first joint that moves them
 against each other, by how much (m) the pair counts as nearer than it is, and the number of its
 group: the pairs of bodies of the same two links or objects, which stand one behind the other.
@@ -15,12 +17,16 @@ import math
 
 import numpy as np
 
+from robomech_ros._kernels.collision.grids import known_apart
+from robomech_ros._kernels.collision.hulls import hull_bounds, is_exact
 from robomech_ros._kernels.collision.shapes import SPHERES, compose, place_frames, signed_distance
 from robomech_ros._kernels.compiling.jit import kernel, lean
-from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT1, OUT2, i8
+from robomech_ros._kernels.compiling.types import IIN1, IN1, IN2, IOUT1, OUT1, OUT2, i8
 
 # A pair is surely too near if spheres inside the bodies are, by more than rounding (m).
 ROUNDING = 1e-9
+# By how much a distance that is computed, and not bounded by spheres, may be too large (m).
+UNCERTAIN = 1e-6
 
 
 @lean
@@ -118,9 +124,26 @@ def frames_at(joints, q, frames):
     return 0
 
 
-@kernel(i8(IN2, IN2, IN2, IN2, IN2, IN2, IN2, IN1, i8, OUT1, IOUT1, OUT1, OUT2))
+@kernel(i8(IN2, IN2, IN2, IN2, IN2, IN2, IN2, IN2, IIN1, OUT2, IN2, OUT1, IN1, i8, OUT1, IOUT1, OUT1, OUT2))
 def near_pairs(
-    joints, bodies, around, spheres, shapes, placed, pairs, q, nearest, limit, found, low, poses
+    joints,
+    bodies,
+    around,
+    spheres,
+    shapes,
+    placed,
+    pairs,
+    corners,
+    neighbours,
+    axes,
+    grids,
+    cells,
+    q,
+    nearest,
+    limit,
+    found,
+    low,
+    poses,
 ):
     """Find the pairs whose distances must be computed at a posture, nearest bound first.
 
@@ -139,7 +162,14 @@ def near_pairs(
     still = np.zeros((spheres.shape[0], 1))
     most = math.inf if nearest else limit[0]
     bounds = np.empty(pairs.shape[0])
+    before, apart = -1, False
     for p in range(pairs.shape[0]):
+        if not nearest and int(pairs[p, 4]) != before:
+            before = int(pairs[p, 4])
+            apart = known_apart(grids, cells, before, q, limit[0])
+        if apart:
+            bounds[p] = math.inf
+            continue
         a, b = int(pairs[p, 0]), int(pairs[p, 1])
         bounds[p] = far_bound(bodies, around, shapes, middles, a, b) - pairs[p, 3]
         if nearest:
@@ -170,6 +200,25 @@ def near_pairs(
             found[0], low[0] = p, high
             write_poses(frames, bodies, placed, a, b, poses, 0)
             return -1 - p
+        elif least <= most:
+            far, high = hull_bounds(
+                frames,
+                bodies,
+                shapes,
+                corners,
+                neighbours,
+                axes,
+                p,
+                a,
+                b,
+                most + pairs[p, 3],
+                most + pairs[p, 3] + ROUNDING,
+            )
+            least = max(least, far - pairs[p, 3] - ROUNDING)
+            if is_exact(bodies, a, b) and high - pairs[p, 3] <= most:
+                found[0], low[0] = p, high - pairs[p, 3]
+                write_poses(frames, bodies, placed, a, b, poses, 0)
+                return -1 - p
         # Overlapping spheres say nothing about depths.
         least = max(least, bounds[p])
         if (least <= max(most, 0.0)) if nearest else (least <= most):

@@ -1,0 +1,236 @@
+"""Lower bounds of the distance of two bodies, by planes between them.
+
+Rows of ``corners`` (k, 5) hold a corner of a body in its frame, and where in ``neighbours`` (e,)
+the numbers of the corners begin and end that an edge joins to it.  Rows of ``axes`` (p, 5) hold the
+normal of the best plane that was last found between a pair, in the frame of the first body, and the
+corners of both that were nearest to it; they may be wrong, and are only where a search begins.
+
+References
+----------
+E. G. Gilbert, D. W. Johnson, S. S. Keerthi, "A fast procedure for computing the distance between
+complex objects in three-dimensional space", IEEE J. Robotics and Automation 4, 1988.
+P. Wolfe, "Finding the nearest point in a polytope", Mathematical Programming 11, 1976.
+"""
+
+import math
+
+from robomech_ros._kernels.collision.shapes import HALF_SPACE
+from robomech_ros._kernels.compiling.jit import lean, scratch
+
+# What column 7 of bodies says: all of the body is the hull of its corners, or it is a cylinder.
+HULL, ROUND = 1.0, 2.0
+# The most steps of a search, what is no progress any more (m), and relative size of a flat simplex.
+_MOST_STEPS = 24
+_NO_PROGRESS = 1e-9
+_FLAT = 1e-12
+
+
+@lean
+def _support(bodies, shapes, corners, neighbours, b, at, direction, point):
+    """Write the point of body b that is farthest along a direction, both in its frame, to point.
+
+    The search climbs from a corner; the number of the one where it ends is returned.  The radius of
+    the body is left out.
+    """
+    x, y, z = direction[0], direction[1], direction[2]
+    if bodies[b, 7] == ROUND:
+        u = shapes[b, 0] * x + shapes[b, 3] * y + shapes[b, 6] * z
+        v = shapes[b, 1] * x + shapes[b, 4] * y + shapes[b, 7] * z
+        w = shapes[b, 2] * x + shapes[b, 5] * y + shapes[b, 8] * z
+        norm = math.sqrt(u * u + v * v)
+        u, v = (shapes[b, 12] * u / norm, shapes[b, 12] * v / norm) if norm > 0.0 else (0.0, 0.0)
+        w = shapes[b, 13] if w > 0.0 else -shapes[b, 13]
+        for r in range(3):
+            point[r] = shapes[b, 9 + r] + shapes[b, 3 * r] * u + shapes[b, 3 * r + 1] * v
+            point[r] += shapes[b, 3 * r + 2] * w
+        return at
+    best = corners[at, 0] * x + corners[at, 1] * y + corners[at, 2] * z
+    before = -1
+    while before != at:
+        before = at
+        for e in range(int(corners[before, 3]), int(corners[before, 4])):
+            k = neighbours[e]
+            value = corners[k, 0] * x + corners[k, 1] * y + corners[k, 2] * z
+            if value > best:
+                best, at = value, k
+    point[0], point[1], point[2] = corners[at, 0], corners[at, 1], corners[at, 2]
+    return at
+
+
+@lean
+def _solve_edges(points, size, system):
+    """Write the affine coordinates of the point of a simplex's span that is nearest to zero.
+
+    Those of all corners but the first go to column 3 of system (3, 4).  Returns 0 if it is flat.
+    """
+    n = size - 1
+    largest = 0.0
+    for r in range(n):
+        for c in range(n):
+            total = 0.0
+            for k in range(3):
+                total += (points[r + 1, k] - points[0, k]) * (points[c + 1, k] - points[0, k])
+            system[r, c] = total
+        total = 0.0
+        for k in range(3):
+            total -= (points[r + 1, k] - points[0, k]) * points[0, k]
+        system[r, 3] = total
+        largest = max(largest, system[r, r])
+    for r in range(n):
+        if system[r, r] <= _FLAT * largest:
+            return 0
+        for q in range(r + 1, n):
+            factor = system[q, r] / system[r, r]
+            for c in range(r, n):
+                system[q, c] -= factor * system[r, c]
+            system[q, 3] -= factor * system[r, 3]
+    for r in range(n - 1, -1, -1):
+        total = system[r, 3]
+        for c in range(r + 1, n):
+            total -= system[r, c] * system[c, 3]
+        system[r, 3] = total / system[r, r]
+    return 1
+
+
+@lean
+def _reduce_simplex(points, weights, size, system):
+    """Keep the corners of a simplex whose nearest point to zero has positive weights.
+
+    Returns how many there are, or 0 where the simplex is flat.
+    """
+    while size > 1:
+        if not _solve_edges(points, size, system):
+            return 0
+        first = 1.0
+        for k in range(size - 1):
+            first -= system[k, 3]
+        share, dropped = 1.0, -1
+        for k in range(size):
+            wanted = first if k == 0 else system[k - 1, 3]
+            if wanted <= 0.0:
+                part = weights[k] / (weights[k] - wanted) if weights[k] > wanted else 0.0
+                if dropped < 0 or part < share:
+                    share, dropped = part, k
+        for k in range(size):
+            wanted = first if k == 0 else system[k - 1, 3]
+            weights[k] += share * (wanted - weights[k])
+        if dropped < 0:
+            return size
+        size -= 1
+        weights[dropped] = weights[size]
+        for k in range(3):
+            points[dropped, k] = points[size, k]
+    weights[0] = 1.0
+    return size
+
+
+@lean
+def _relative_pose(frames, f, g, pose):
+    """Write the pose of frame g in frame f to pose (12,)."""
+    for r in range(3):
+        for c in range(3):
+            total = 0.0
+            for k in range(3):
+                total += frames[f, 3 * k + r] * frames[g, 3 * k + c]
+            pose[3 * r + c] = total
+        total = 0.0
+        for k in range(3):
+            total += frames[f, 3 * k + r] * (frames[g, 9 + k] - frames[f, 9 + k])
+        pose[9 + r] = total
+
+
+@lean
+def _above_plane(frames, bodies, shapes, corners, neighbours, a, b):
+    """Return how far all of body a is above the half-space b, at least."""
+    f, g = int(bodies[a, 0]), int(bodies[b, 0])
+    normal, down, lowest = scratch(3), scratch(3), scratch(3)
+    for r in range(3):
+        normal[r] = 0.0
+        for k in range(3):
+            normal[r] += frames[g, 3 * r + k] * shapes[b, 3 * k + 2]
+    for r in range(3):
+        down[r] = 0.0
+        for k in range(3):
+            down[r] -= frames[f, 3 * k + r] * normal[k]
+    _support(bodies, shapes, corners, neighbours, a, int(bodies[a, 5]), down, lowest)
+    height = 0.0
+    for r in range(3):
+        x, origin = frames[f, 9 + r], frames[g, 9 + r]
+        for k in range(3):
+            x += frames[f, 3 * r + k] * lowest[k]
+            origin += frames[g, 3 * r + k] * shapes[b, 9 + k]
+        height += normal[r] * (x - origin)
+    return height - bodies[a, 6]
+
+
+@lean
+def is_exact(bodies, a, b):
+    """Whether the upper bounds of `hull_bounds` hold for a pair."""
+    return bodies[a, 7] > 0.0 and bodies[b, 7] > 0.0
+
+
+@lean
+def hull_bounds(frames, bodies, shapes, corners, neighbours, axes, p, a, b, keep, enough):
+    """Return bounds of the distance of the hulls of pair p, below and above.
+
+    A cylinder counts as itself, not as the hull of its corners.
+
+    The search ends once that below is above ``enough`` (m), or that above is not, and both are on
+    the same side of ``keep``.
+    """
+    if int(bodies[b, 3]) == HALF_SPACE:
+        height = _above_plane(frames, bodies, shapes, corners, neighbours, a, b)
+        return height, height
+    pose, points, weights, system = scratch(12), scratch(4, 3), scratch(4), scratch(3, 4)
+    towards, first, second = scratch(3), scratch(3), scratch(3)
+    _relative_pose(frames, int(bodies[a, 0]), int(bodies[b, 0]), pose)
+    radii = bodies[a, 6] + bodies[b, 6]
+    i, j = int(axes[p, 3]), int(axes[p, 4])
+    x, y, z = axes[p, 0], axes[p, 1], axes[p, 2]
+    low, high, size = -math.inf, math.inf, 0
+    for _ in range(_MOST_STEPS):
+        norm = math.sqrt(x * x + y * y + z * z)
+        if norm < _NO_PROGRESS:
+            # No direction: the bodies overlap, or nothing was ever found.
+            if size:
+                break
+            x, y, z, norm = 1.0, 0.0, 0.0, 1.0
+        x, y, z = x / norm, y / norm, z / norm
+        towards[0], towards[1], towards[2] = x, y, z
+        i = _support(bodies, shapes, corners, neighbours, a, i, towards, first)
+        for r in range(3):
+            towards[r] = -(pose[r] * x + pose[3 + r] * y + pose[6 + r] * z)
+        j = _support(bodies, shapes, corners, neighbours, b, j, towards, second)
+        for r in range(3):
+            points[size, r] = (
+                pose[3 * r] * second[0]
+                + pose[3 * r + 1] * second[1]
+                + pose[3 * r + 2] * second[2]
+                + pose[9 + r]
+                - first[r]
+            )
+        between = x * points[size, 0] + y * points[size, 1] + z * points[size, 2]
+        if between > low:
+            low = between
+            axes[p, 0], axes[p, 1], axes[p, 2], axes[p, 3], axes[p, 4] = x, y, z, i, j
+        if low - radii > enough or (high - radii <= enough and low - radii > keep):
+            break
+        if high - low < _NO_PROGRESS:
+            break
+        weights[size] = 0.0 if size else 1.0
+        size = _reduce_simplex(points, weights, size + 1, system)
+        if not size:
+            break
+        x, y, z = 0.0, 0.0, 0.0
+        for k in range(size):
+            x += weights[k] * points[k, 0]
+            y += weights[k] * points[k, 1]
+            z += weights[k] * points[k, 2]
+        nearest = math.sqrt(x * x + y * y + z * z)
+        if nearest > high - _NO_PROGRESS:
+            break
+        # Four corners with positive weights go around zero: the hulls overlap.
+        high = nearest if size < 4 else 0.0
+        if size == 4 or (high - radii <= enough and (low - radii > keep or high - radii <= keep)):
+            break
+    return low - radii, high - radii
