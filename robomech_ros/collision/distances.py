@@ -101,7 +101,8 @@ class Distances:
         self.placed = placed
         spheres, bodies, first = [np.empty((0, 8))], [], 0
         corners, neighbours = _hulls(placed)
-        for one, corner in zip(placed, np.cumsum([0, *(len(one.body.corners) for one in placed)])):
+        corner = 0
+        for one in placed:
             count = len(one.spheres)
             kind = SPHERES if count else one.body.kind
             row = [one.frame, first, first + count, kind, one.body.exact]
@@ -113,6 +114,7 @@ class Distances:
                 )
             spheres.append(moved)
             first += count
+            corner += len(one.body.corners)
         around = [[*_moved(one.pose, one.around[:3]), one.around[3]] for one in placed]
         shapes = [[*as_row(one.pose @ one.body.pose), *one.body.sizes] for one in placed]
         pairs = _pairs(joints, placed, checked, padding)

@@ -32,7 +32,7 @@ _sweep, _group_part = direct(sweep), direct(group_part)
 # Hulls of bodies that move by less (m) are looked at where spheres do not decide, and coal looks at
 # those that move by less than the second length.
 _STEP, _FINE = 0.03, 1e-4
-# Between the postures at which a motion is looked at before it is proved, no body moves by more (m).
+# How far bodies move (m) between the postures at which a motion is looked at before its proof.
 _LOOK = 0.015
 # Below this travel (m) a part is not halved any more, and a contact is found well enough.
 RESOLUTION = 1e-5

@@ -21,8 +21,8 @@ from robomech_ros.spatial import as_pose
 from robomech_ros.spatial.arrays import as_choice, finite_within, real_array, whole_number
 from robomech_ros.typing import Array
 
-# The longest step of a tree (rad and m together).
-_RANGE = 0.8
+# The longest step of a tree (rad and m together), of two that grow to each other and of others.
+_RANGE, _FAR = 0.8, 1.5
 # Tolerance of the least distance (m).
 _SLACK = 1e-6
 # How far outside its limits a joint may be given (rad or m): 3.14159 is 3e-6 less than half a turn.
@@ -135,7 +135,10 @@ class _Search:
         self._distances = scene.distances
         self._proof = MotionProof(self._distances, request.clearance)
         self._free: dict[tuple[float, ...], None] = {}
-        self._strict = False
+        self._certain: set[frozenset[tuple[float, ...]]] = set()
+        self._is_first = request.planner == PLANNERS[0]
+        # Planners that use up their time leave none to go around what cannot be proved.
+        self._strict = not self._is_first
         self.tried = 0
 
     def path(self, start: Array, postures: Array, kept: list[int]) -> tuple[Array, int]:
@@ -158,30 +161,35 @@ class _Search:
         return (proved, goal) if proved is not None else (np.empty((0, len(start))), -1)
 
     def _proved(self, path: Array) -> Array | None:
-        """Replace the motions of a path that cannot be proved, by ones that can."""
-        pieces, strict = [path[:1]], self._strict
-        self._strict = True
+        """Go around what cannot be proved of a path, by motions that can."""
+        pieces = [path[:1]]
         for piece in (path[k : k + 2] for k in range(len(path) - 1)):
             found: Array | None = piece
-            if not strict and not self._proves(piece):
-                found = self._sampled(piece[0], piece[1:])
+            if not self._proves(piece):
+                around = None if self._is_over() else self._sampled(piece[0], piece[1:])
+                found = None if around is None else self._proved(around)
             if found is None:
                 return None
             pieces.append(found[1:])
         return np.concatenate(pieces)
 
     def _proves(self, motion: Array) -> bool:
-        return self._proof.obstruction(motion, first=False) is None
+        ends = frozenset(map(tuple, motion.tolist()))
+        if ends not in self._certain and self._proof.obstruction(motion, first=False) is None:
+            self._certain.add(ends)
+        return ends in self._certain
 
     def passes(self, a: list[float], b: list[float]) -> bool:
         """Whether the straight motion between two postures looks free, or is proved if it must."""
         self.tried += 1
-        # The end that is not known yet is the one likely to be in contact: it is looked at first.
         if tuple(b) in self._free:
             a, b = b, a
         curve = np.array([b, a])
+        looks = [0.5 * (curve[0] + curve[1])]
         if tuple(b) not in self._free:
-            if self._distances.contact(curve[0], self._request.clearance) is not None:
+            looks.append(curve[0])
+        for q in looks:
+            if self._distances.contact(q, self._request.clearance) is not None:
                 return False
         if not self._proof.seems_free(curve) or (self._strict and not self._proves(curve)):
             return False
@@ -225,13 +233,15 @@ class _Search:
             task.setGoal(ends)
             planner = getattr(geometric, self._request.planner)(information)
             if hasattr(planner, "setRange"):
-                planner.setRange(_RANGE)
+                planner.setRange(_RANGE if self._is_first else _FAR)
             planner.setProblemDefinition(task)
             planner.setup()
             planner.solve(base.PlannerTerminationCondition(self._is_over))
             if not task.hasExactSolution():
                 return None
             path = task.getSolutionPath()
+            # From here on only what is proved is of use.
+            self._strict = True
             shortener = geometric.PathSimplifier(information)
             shortener.reduceVertices(path)
             shortener.partialShortcutPath(path)

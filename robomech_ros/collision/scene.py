@@ -395,7 +395,9 @@ class PlanningScene:
         def checked(first: PlacedBody, second: PlacedBody) -> bool:
             return first.owner != second.owner and not self._reason(first.owner, second.owner)
 
-        return Distances(self._places.joints, [*placed, *world], checked, self.padding, self._known_bounds)
+        return Distances(
+            self._places.joints, [*placed, *world], checked, self.padding, self._known_bounds
+        )
 
     def _reason(self, first: str, second: str) -> str:
         """Say why two bodies are not checked; empty if they are."""

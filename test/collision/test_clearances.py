@@ -72,6 +72,10 @@ def agree(scene, judge, postures):
         between = np.linalg.norm(found.points[1] - found.points[0])
         assert between == pytest.approx(abs(found.distance), abs=1e-6)
         assert free[k] == scene.is_free(q) == (found.distance > 0.0)
+        if found.distance > 1e-6:
+            # The search for a plane between hulls decides the same, on both sides.
+            assert scene.is_free(q, clearance=found.distance - 1e-7)
+            assert not scene.is_free(q, clearance=found.distance + 1e-7)
         assert batch.distance[k] == found.distance and batch.bodies[k] == found.bodies
         np.testing.assert_array_equal(batch.points[k], found.points)
     return int((~free).sum())

@@ -156,6 +156,25 @@ def test_whole_turns_of_joints():
         check(scene, judge, KINDS[k % len(KINDS)](points, limits))
 
 
+@pytest.mark.parametrize("name", ["six", pytest.param("panda", marks=in_cell)])
+def test_known_distances_between_links_change_nothing(name):
+    """Scenes share bounds of them; those found with one clearance must hold with another."""
+    first = cell_scene("panda") if name == "panda" else PlanningScene(six_joints())
+    random = np.random.default_rng(15)
+    starts = random_postures(first.chain, random, 60)
+    certified = 0
+    for q in starts:
+        points = np.clip(
+            q + 0.2 * random.normal(size=(3, len(q))), first.chain.lower, first.chain.upper
+        )
+        for clearance in (0.0, 0.03, 0.005):
+            found = first.copy().check_motion(points, clearance=clearance)
+            free = first.is_free(dense(points, 300)[1], clearance=clearance)
+            assert not found.certified or free.all()
+            certified += found.certified
+    assert 40 < certified < 180
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_plate_of_a_millimetre_is_never_passed(kind):
     random, scene = np.random.default_rng(14), PlanningScene(six_joints())

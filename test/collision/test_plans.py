@@ -15,6 +15,8 @@ from robomech_ros.collision import (
     PlanningScene,
     PlanStatus,
     Sphere,
+    motion_proof,
+    planning,
     timed_path,
 )
 from robomech_ros.collision.libraries import PLANNERS
@@ -82,6 +84,24 @@ def test_around_a_wall():
     assert (
         other.waypoints.shape != plan.waypoints.shape or (other.waypoints != plan.waypoints).any()
     )
+
+
+def test_what_only_looks_free_is_gone_around(monkeypatch):
+    """Motions that are hardly looked at before their proof."""
+    monkeypatch.setattr(motion_proof, "_STEP", 1.0)
+    monkeypatch.setattr(motion_proof, "_LOOK", 1.0)
+    scene, failed = PlanningScene(six_joints()), []
+    scene.add("plate", Box(0.8, 0.001, 0.9), at(0.7, 0.0, 0.45))
+    proves = planning._Search._proves
+
+    def counted(search, motion):
+        proved = proves(search, motion)
+        failed.append(not proved)
+        return proved
+
+    monkeypatch.setattr(planning._Search, "_proves", counted)
+    solved(scene, LEFT, RIGHT)
+    assert any(failed)
 
 
 def test_straight_where_nothing_is_in_between():

@@ -19,7 +19,7 @@ MOST_TOUCHED = 8
 
 @lean
 def cell_range(middle, rate):
-    """Return the first cell that a joint touches within a rate (rad) of its middle, and how many."""
+    """Return the first cell that a joint touches within a rate (rad), and how many it touches."""
     reach = rate + 1e-9
     first = math.floor((middle - reach) / CELL)
     return int(first), int(math.floor((middle + reach) / CELL) - first) + 1

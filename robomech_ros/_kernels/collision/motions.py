@@ -33,7 +33,7 @@ APART, UNDECIDED = -1, -2
 
 @lean
 def _travel(joints, frames, f, point, rates, moved):
-    """Write how far a point of frame f moves at most against each frame before it to moved (m + 1,).
+    """Bound how far a point of frame f moves against each frame before it, in moved (m + 1,).
 
     Joint i moves by at most rates[i] to either side.  A point of a body moves with a joint by that
     angle times its distance from the axis, which the joints after that one may have lengthened.
@@ -175,17 +175,7 @@ def _fill_cell(
         enough = keep + _SPARE
         if bound <= enough:
             low, _ = hull_bounds(
-                frames,
-                bodies,
-                shapes,
-                corners,
-                neighbours,
-                axes,
-                p,
-                a,
-                b,
-                keep,
-                enough + travel,
+                frames, bodies, shapes, corners, neighbours, axes, p, a, b, keep, enough + travel
             )
             bound = max(bound, low - travel)
         least = min(least, bound - pairs[p, 3] - UNCERTAIN)
@@ -226,8 +216,8 @@ def sweep(
     Hulls are looked at where a body moves by less than limits[1] (m).  Parts on which they do not
     decide although none moves by more than limits[2] there, or on which they overlap, are left to
     others: begin and end in open_parts, the group in open_groups.  If limits[3] is not 0, only
-    those in whose middle hulls are not shown apart are: then nothing is proved.  The distance to keep is limits[0].
-    The first ``count`` of ``tested`` are the pairs.
+    those in whose middle hulls are not shown apart are: then nothing is proved.  The distance to
+    keep is limits[0].  The first ``count`` of ``tested`` are the pairs.
 
     Returns FREE, CONTACT, or FULL where there are more open parts than places.  found (4,) is how
     many open parts there are, where a contact is or until where all is done, the pair in contact,
@@ -289,7 +279,10 @@ def sweep(
             g = int(pairs[p, 4])
             if not decided[g]:
                 decided[g] = 1
-                if grids[g, 2] >= 0.0 and _cells_apart(grids, cells, g, part, middle, keep) == APART:
+                if (
+                    grids[g, 2] >= 0.0
+                    and _cells_apart(grids, cells, g, part, middle, keep) == APART
+                ):
                     decided[g] = 2
             if decided[g] == 2:
                 continue
