@@ -7,7 +7,7 @@ for none) and 1 where it is that shape exactly; rows of ``around`` (b, 4) a sphe
 Centres are in the frame.  Rows of ``shapes`` (b, 15) hold pose and sizes of the simple shape, rows
 of ``placed`` (b, 12) the pose of the body itself, both in the frame.  Each body is inside the
 convex hull of its corners, or within its radius of that: columns 5 to 7 of ``bodies`` (b, 8) have
-its first corner, the radius, and what the body is (see `hulls`).  Rows of ``pairs`` (p, 5) have the two
+its first corner, the radius, and what the body is (see `hulls`).  Rows of ``pairs`` (p, 5) have two
 bodies, of which the first has spheres, the frame before the first joint that moves them against
 each other, by how much (m) the pair counts as nearer than it is, and the number of its group: the
 pairs of bodies of the same two links or objects, which stand one behind the other.
