@@ -4,6 +4,7 @@ import re
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -59,29 +60,55 @@ class ObstacleCell:
     touch_links: tuple[str, ...]
 
 
-def robot_with_bodies(robot: str, folder: Path) -> tuple[str, str]:
+class RobotFiles(NamedTuple):
+    """A robot by name or path, the path of its SRDF or "", and what is special about them."""
+
+    robot: str
+    srdf: str
+    notice: str
+
+
+def robot_with_bodies(robot: str, srdf: str, folder: Path, clearance: float) -> RobotFiles:
     """Give a robot without collision elements bodies: its drums and bars.
 
     Parameters
     ----------
-    robot : str
-        Name or path.
+    robot, srdf : str
+        Name or path; path or "".
     folder : Path
-        For the URDF that is written.
-
-    Returns
-    -------
-    tuple of str
-        The robot as it came or the path of the URDF, and a notice.
+        For the URDF that is written, and for an SRDF if drums overlap and none was given.
+    clearance : float
+        What bodies must be farther apart than at the start (m).
     """
     description = load_description(robot)
     if description.document and read_collisions(description.document, description.where):
-        return robot, ""
+        return RobotFiles(robot, srdf, "")
     text = written_urdf(description)
     text = _VISUAL.sub(lambda one: one[0] + one[0].replace("visual>", "collision>"), text)
     path = folder / f"{description.name}_bodies.urdf"
     path.write_text(text, encoding="utf-8")
-    return str(path), f"'{robot}' has no collision geometry: drums and bars stand for it ({path})"
+    notice = f"'{robot}' has no collision geometry: drums and bars stand for it ({path})"
+    pairs = [] if srdf else _overlapping(PlanningScene(path), clearance)
+    if pairs:
+        names = ", ".join(f"'{first}' and '{second}'" for first, second in pairs)
+        notice += f"; not checked, since their drums overlap where it starts: {names}"
+        rows = [
+            f'<disable_collisions link1="{first}" link2="{second}" reason="Default"/>'
+            for first, second in pairs
+        ]
+        srdf = str(path.with_suffix(".srdf"))
+        text = f'<robot name="{description.name}">{"".join(rows)}</robot>'
+        Path(srdf).write_text(text, encoding="utf-8")
+    return RobotFiles(str(path), srdf, notice)
+
+
+def _overlapping(scene: PlanningScene, clearance: float) -> list[tuple[str, str]]:
+    """List the pairs of links that are too near to each other where the robot starts."""
+    home, pairs = scene.chain.home(), list[tuple[str, str]]()
+    while (found := scene.clearance(home)).distance <= clearance:
+        pairs.append(found.bodies)
+        scene.allow(*found.bodies)
+    return pairs
 
 
 def arrange_cell(scene: PlanningScene, home: Array, clearance: float) -> ObstacleCell:

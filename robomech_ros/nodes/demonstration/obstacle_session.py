@@ -33,13 +33,13 @@ def demonstrate_obstacles(which: Which, output: Path) -> None:
         A step or a proof failed, or there is no place for a wall; the text says which and why.
     """
     reporter = Reporter()
-    robot, notice = robot_with_bodies(which.robot, output)
-    which = replace(which, robot=robot)
+    files = robot_with_bodies(which.robot, which.srdf, output, CLEARANCE)
+    which = replace(which, robot=files.robot, srdf=files.srdf)
     chain = chain_with_limits(which, reporter.say)
     arm = DemoArm(chain)
     reporter.heading(arm.title)
-    if notice:
-        reporter.say(notice)
+    if files.notice:
+        reporter.say(files.notice)
     scene = PlanningScene(chain, srdf=which.srdf or None)
     for link, why in scene.unchecked.items():
         reporter.say(f"link '{link}' is not checked: {why}")
