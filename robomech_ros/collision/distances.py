@@ -339,11 +339,12 @@ def _grids(
     bodies = np.concatenate(chosen)
     poses = b"".join(placed[k].pose.tobytes() for k in np.unique(bodies).tolist())
     key = b"".join((joints.tobytes(), bodies.tobytes(), poses))
-    if key not in known:
-        while len(known) >= _MOST_KNOWN:
-            known.pop(next(iter(known)), None)
-        known[key] = np.zeros(size)
-    return grids, known[key]
+    cells = known.get(key)
+    if cells is None:
+        for oldest in list(known)[: max(len(known) + 1 - _MOST_KNOWN, 0)]:
+            known.pop(oldest, None)
+        cells = known[key] = np.zeros(size)
+    return grids, cells
 
 
 def _two_drives(joints: Array, frames: tuple[int, int], common: int) -> list[int]:

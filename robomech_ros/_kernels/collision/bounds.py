@@ -1,16 +1,17 @@
 """Which pairs of bodies may be in contact: bounds of their distances by spheres.
 
-A body is covered by spheres, and holds as many inside it: rows of ``spheres`` (s, 8) with centre
-and radius of both.  The first columns of ``bodies`` have the frame that the body moves with, its
-first sphere and the one after its last, the kind of simple shape that it is or lies in (``SPHERES``
-for none) and 1 where it is that shape exactly; rows of ``around`` (b, 4) a sphere around all of it.
-Centres are in the frame.  Rows of ``shapes`` (b, 15) hold pose and sizes of the simple shape, rows
-of ``placed`` (b, 12) the pose of the body itself, both in the frame.  Each body is inside the
-convex hull of its corners, or within its radius of that: columns 5 to 7 of ``bodies`` (b, 8) have
-its first corner, the radius, and what the body is (see `hulls`).  Rows of ``pairs`` (p, 5) have two
-bodies, of which the first has spheres, the frame before the first joint that moves them against
-each other, by how much (m) the pair counts as nearer than it is, and the number of its group: the
-pairs of bodies of the same two links or objects, which stand one behind the other.
+A body is covered by spheres, and holds as many inside it: rows of ``spheres`` (s, 8) with
+centre and radius of both.  The first columns of ``bodies`` have the frame that the body moves
+with, its first sphere and the one after its last, the kind of simple shape that it is or lies
+in (``SPHERES`` for none) and 1 where it is that shape exactly; rows of ``around`` (b, 4) a
+sphere around all of it.  Centres are in the frame.  Rows of ``shapes`` (b, 15) hold pose and
+sizes of the simple shape, rows of ``placed`` (b, 12) the pose of the body itself, both in the
+frame.  Each body is inside the convex hull of its corners, or within its radius of that:
+columns 5 to 7 of ``bodies`` (b, 8) have its first corner, the radius, and what the body is (see
+`hulls`).  Rows of ``pairs`` (p, 5) have the two bodies, of which the first has spheres, the
+frame before the first joint that moves them against each other, by how much (m) the pair counts
+as nearer than it is, and the number of its group: the pairs of bodies of the same two links or
+objects, which stand one behind the other.
 """
 
 import math
