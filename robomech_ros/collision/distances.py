@@ -330,8 +330,10 @@ def _grids(
     for g, (first, last) in enumerate(itertools.pairwise(groups)):
         grids[g, 3:] = first, last
         a, b, common = numbers[first, :3].tolist()
+        if placed[a].is_carried or placed[b].is_carried or not len(placed[b].spheres):
+            continue
         drives = _two_drives(joints, (placed[a].frame, placed[b].frame), common)
-        if not drives or placed[a].is_carried or placed[b].is_carried or not len(placed[b].spheres):
+        if not drives:
             continue
         grids[g, :3] = drives[0], drives[-1] if len(drives) == 2 else -1, size
         size += CELLS ** len(drives)
