@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robomech_ros._kernels.collision.bounds import UNCERTAIN
-from robomech_ros._kernels.collision.motions import CONTACT, FREE, group_part, sweep
+from robomech_ros._kernels.collision.motions import CONTACT, DEEPEST, FREE, group_part, sweep
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros.collision.distances import Distances
 from robomech_ros.errors import BadValueError
@@ -123,6 +123,7 @@ class MotionProof:
         self._parts = np.zeros((max(_PLACES, count), 2))
         self._groups = np.zeros(len(self._parts), dtype=np.int64)
         self._unproved = 0
+        self._lists = np.zeros((DEEPEST + 2, count), dtype=np.int64)
         self._pairs = np.zeros(count, dtype=np.int64)
         self._travel, self._low = np.zeros((2, count))
         self._poses = np.zeros((2 * count, 12))
@@ -178,6 +179,7 @@ class MotionProof:
             len(self._all),
             curve,
             self._limits,
+            self._lists,
             self._found,
             self._parts,
             self._groups,

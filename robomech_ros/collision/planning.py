@@ -191,7 +191,7 @@ class _Search:
         for q in looks:
             if self._distances.contact(q, self._request.clearance) is not None:
                 return False
-        if not self._proof.seems_free(curve) or (self._strict and not self._proves(curve)):
+        if not (self._proves(curve) if self._strict else self._proof.seems_free(curve)):
             return False
         self._free[tuple(b)] = None
         return True

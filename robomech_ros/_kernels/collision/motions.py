@@ -20,12 +20,12 @@ from robomech_ros._kernels.collision.grids import CELL, CELLS, MOST_TOUCHED, cel
 from robomech_ros._kernels.collision.hulls import hull_bounds, is_exact
 from robomech_ros._kernels.collision.shapes import DRIVE, GAIN, KIND, PARENT, place_frames
 from robomech_ros._kernels.compiling.jit import kernel, lean
-from robomech_ros._kernels.compiling.types import IIN1, IN1, IN2, IOUT1, OUT1, OUT2, f8, i8
+from robomech_ros._kernels.compiling.types import IIN1, IN1, IN2, IOUT1, IOUT2, OUT1, OUT2, f8, i8
 
 # The most halvings of a piece of a motion.
-_DEEPEST = 40
+DEEPEST = 40
 # How much farther (m) than asked for is enough for cells of links.
-_SPARE = 0.01
+_SPARE = 0.004
 FREE, CONTACT, FULL = 0, 1, 2
 # What cells say, besides the number of one that is not known.
 APART, UNDECIDED = -1, -2
@@ -187,7 +187,7 @@ def _fill_cell(
 @kernel(
     i8(
         *(IN2, IN2, IN2, IN2, IN2, IN2, IN2, IN2, IIN1, OUT2, IN2, OUT1),
-        *(IIN1, i8, IN2, IN1, OUT1, OUT2, IOUT1),
+        *(IIN1, i8, IN2, IN1, IOUT2, OUT1, OUT2, IOUT1),
     )
 )
 def sweep(
@@ -207,6 +207,7 @@ def sweep(
     count,
     curve,
     limits,
+    lists,
     found,
     open_parts,
     open_groups,
@@ -217,7 +218,8 @@ def sweep(
     decide although none moves by more than limits[2] there, or on which they overlap, are left to
     others: begin and end in open_parts, the group in open_groups.  If limits[3] is not 0, only
     those in whose middle hulls are not shown apart are: then nothing is proved.  The distance to
-    keep is limits[0].  The first ``count`` of ``tested`` are the pairs.
+    keep is limits[0].  The first ``count`` of ``tested`` are the pairs.  There is room for lists of
+    them in lists (DEEPEST + 2, count).
 
     Returns FREE, CONTACT, or FULL where there are more open parts than places.  found (4,) is how
     many open parts there are, where a contact is or until where all is done, the pair in contact,
@@ -228,11 +230,10 @@ def sweep(
     points = np.empty((spheres.shape[0], 6))
     ready = np.empty(bodies.shape[0], np.int64)
     size, n = curve.shape
-    curves = np.empty((_DEEPEST + 2, size, n))
-    ends = np.empty((_DEEPEST + 2, 2))
-    depths = np.empty(_DEEPEST + 2, np.int64)
-    lists = np.empty((_DEEPEST + 2, count), np.int64)
-    lengths = np.empty(_DEEPEST + 2, np.int64)
+    curves = np.empty((DEEPEST + 2, size, n))
+    ends = np.empty((DEEPEST + 2, 2))
+    depths = np.empty(DEEPEST + 2, np.int64)
+    lengths = np.empty(DEEPEST + 2, np.int64)
     rates = np.empty(joints.shape[0])
     moved = np.empty((spheres.shape[0], joints.shape[0] + 1))
     known = np.empty(bodies.shape[0], np.int64)
@@ -240,7 +241,7 @@ def sweep(
     inside = np.empty(n)
     middle_moved = np.empty((bodies.shape[0], joints.shape[0] + 1))
     left, right = np.empty((size, n)), np.empty((size, n))
-    lists[0] = tested[:count]
+    lists[0, :count] = tested[:count]
     lengths[0] = count
     curves[0] = curve
     ends[0, 0], ends[0, 1] = 0.0, 1.0
@@ -352,7 +353,7 @@ def sweep(
             if is_exact(bodies, a, b) and high <= keep:
                 found[0], found[1], found[2], found[3] = parts, 0.5 * (begin + end), p, begin
                 return CONTACT
-            if high > keep and travel > limits[2] and depth < _DEEPEST:
+            if high > keep and travel > limits[2] and depth < DEEPEST:
                 lists[depth + 1, kept] = p
                 kept += 1
             elif low <= keep + UNCERTAIN or limits[3] == 0.0:
