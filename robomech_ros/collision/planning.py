@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable
@@ -23,6 +24,8 @@ from robomech_ros.typing import Array
 
 # The longest step of a tree (rad and m together), of two that grow to each other and of others.
 _RANGE, _FAR = 0.8, 1.5
+# Shares of a motion at which contact is looked for first, in one for each of the longer steps.
+_LOOKS = (0.5, 0.25, 0.75)
 # Tolerance of the least distance (m).
 _SLACK = 1e-6
 # How far outside its limits a joint may be given (rad or m): 3.14159 is 3e-6 less than half a turn.
@@ -162,7 +165,7 @@ class _Search:
 
     def _proved(self, path: Array) -> Array | None:
         """Go around what cannot be proved of a path, by motions that can."""
-        pieces = [path[:1]]
+        pieces, self._strict = [path[:1]], True
         for piece in (path[k : k + 2] for k in range(len(path) - 1)):
             found: Array | None = piece
             if not self._proves(piece):
@@ -185,10 +188,11 @@ class _Search:
         if tuple(b) in self._free:
             a, b = b, a
         curve = np.array([b, a])
-        looks = [0.5 * (curve[0] + curve[1])]
+        shares = _LOOKS[: math.ceil(math.dist(a, b) / _FAR)]
         if tuple(b) not in self._free:
-            looks.append(curve[0])
-        for q in looks:
+            shares = (*shares, 0.0)
+        for share in shares:
+            q = curve[0] + share * (curve[1] - curve[0])
             if self._distances.contact(q, self._request.clearance) is not None:
                 return False
         if not (self._proves(curve) if self._strict else self._proof.seems_free(curve)):
@@ -240,8 +244,6 @@ class _Search:
             if not task.hasExactSolution():
                 return None
             path = task.getSolutionPath()
-            # From here on only what is proved is of use.
-            self._strict = True
             shortener = geometric.PathSimplifier(information)
             shortener.reduceVertices(path)
             shortener.partialShortcutPath(path)
