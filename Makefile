@@ -159,7 +159,7 @@ pictures: setup ## remake the pictures of the browser view in doc/images, by a h
 
 docs: ## build the pages of doc/ into doc/_build, in .venv-docs
 	@$(call set_up,.venv-docs,--extra docs.txt)
-	$(RUN) .venv-docs/bin/python -m sphinx -W --keep-going -q doc doc/_build
+	$(RUN) .venv-docs/bin/python -m sphinx -W --keep-going -q -j auto doc doc/_build
 	@echo "docs: doc/_build/index.html"
 
 clean: ## remove the environments and all that was built

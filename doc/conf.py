@@ -26,7 +26,7 @@ myst_heading_anchors = 3
 # Notebooks always run: a change of the library can invalidate their results.
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
-nb_execution_timeout = 120
+nb_execution_timeout = 600  # s for a cell
 os.environ["PYTHONPATH"] = str(ROOT)  # for the kernels of the notebooks, which are processes
 
 # Packages load their parts when first asked for; autodoc sees only what is loaded.
