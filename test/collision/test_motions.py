@@ -120,15 +120,16 @@ def check(scene, judge, motion):
     return "contact"
 
 
+@pytest.mark.parametrize("scenes", [3, pytest.param(60, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", ["six", "sliding", pytest.param("panda", marks=in_cell)])
-def test_no_motion_is_proved_that_sampling_finds_in_contact(name):
+def test_no_motion_is_proved_that_sampling_finds_in_contact(name, scenes):
     random = np.random.default_rng(12)
     if name == "panda":
         empty = cell_scene("panda")
     else:
         empty = PlanningScene(six_joints()) if name == "six" else on_rail()
     counts = {"certified": 0, "contact": 0, "not proved": 0}
-    for _ in range(3):
+    for _ in range(scenes):
         scene = empty.copy()
         for k in range(4):
             scene.add(f"object_{k}", random_shape(random), random_pose(random, 1.0))
@@ -141,7 +142,7 @@ def test_no_motion_is_proved_that_sampling_finds_in_contact(name):
             points = np.clip(points, scene.chain.lower, scene.chain.upper)
             counts[check(scene, judge, KINDS[k % len(KINDS)](points, limits))] += 1
     assert counts["certified"] > 8 and counts["contact"] > 5
-    assert counts["not proved"] <= 1
+    assert counts["not proved"] <= max(1, scenes // 10)
 
 
 def test_whole_turns_of_joints():
