@@ -333,14 +333,14 @@ def test_the_demo_refuses_what_does_not_apply_as_other_commands_do(capfd, robot,
 def test_calibrate_demo_takes_arms(capfd):
     code, out, err = run(capfd, "calibrate-demo", "--robot", "mecanum")
     assert (code, out) == (2, "")
-    said = "'mecanum' is a robot of kind 'rolling', which is not taken here; available: crx10ia, "
+    said = "'mecanum' is a robot of kind 'rolling', which is not taken here; available: canadarm2, "
     assert said in err and "unknown" not in err
 
 
 def test_a_robot_of_another_kind_is_named_as_such(capfd):
     code, out, err = run(capfd, "plot-workspace", "mecanum")
     assert (code, out) == (2, "")
-    said = "'mecanum' is a robot of kind 'rolling', which is not taken here; available: crx10ia, "
+    said = "'mecanum' is a robot of kind 'rolling', which is not taken here; available: canadarm2, "
     assert said in err and "unknown" not in err
 
 
