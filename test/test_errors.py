@@ -52,9 +52,9 @@ CASES = [
     ),
     (
         errors.MissingSupportError(["LF", "RF"], [0.0, 1.5, 0.0, 0.0, 0.0, 2.0], " at 0.1 s"),
-        "feet LF, RF cannot carry the load at 0.1 s: a moment [0, 1.5, 0] N m and a force "
-        "[0, 0, 2] N on the trunk are missing within friction cones and efforts of joints; put "
-        "more feet on the ground, or accelerate less",
+        "feet LF, RF cannot carry the load at 0.1 s within friction cones and effort limits: a "
+        "moment [0, 1.5, 0] N m and a force [0, 0, 2] N on the trunk are missing; put more feet on "
+        "the ground, or accelerate less",
     ),
     (errors.MapFileError("map.npz", "damaged"), "map.npz: damaged"),
     (

@@ -65,7 +65,7 @@ def _page(args: argparse.Namespace) -> RobotPage:
     chain = main_chain(description, known, args.base_link, args.tip_link, args.group)
     if not args.scene:
         return page_of(description, chain, port=args.port, host=args.host)
-    # What collisions need is loaded only for them.
+    # Without a scene, the collision library is not loaded.
     from robomech_ros.collision import PlanningScene
 
     scene = PlanningScene(chain, srdf=known)

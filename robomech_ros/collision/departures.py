@@ -1,4 +1,4 @@
-"""Motions that begin in contact, and leave it."""
+"""Check of motions that begin in contact and leave it."""
 
 from __future__ import annotations
 
@@ -13,34 +13,33 @@ from robomech_ros.typing import Array
 if TYPE_CHECKING:
     from robomech_ros.collision.scene import PlanningScene
 
-# How far joints move between two distances on the way out of a contact (rad or m), and how much
-# less a distance may be than at the start (m), which is the accuracy of depths.
-_STEP, _SAME = 2e-3, 1e-6
+# Joint travel between two samples on the path out of a contact (rad or m); tolerance of depths (m).
+_STEP, _TOLERANCE = 2e-3, 1e-6
 
 
 def check_departure(scene: PlanningScene, motion: PiecewisePolynomial) -> MotionCheck:
-    """Prove a motion free of contact, after it has left a contact in which it begins.
+    """Prove that a motion is free of contact once it has left the contact in which it begins.
 
-    Until all bodies are apart, none may be deeper in contact than at the start, which is sampled.
+    Until all bodies are apart, the sampled depth must not exceed that at the start.
 
     Parameters
     ----------
     scene : PlanningScene
     motion : PiecewisePolynomial
-        Of the joints of the scene's chain (rad or m).
+        Curve of the joints of the scene's chain (rad or m).
 
     Returns
     -------
     MotionCheck
-        As `PlanningScene.check_motion` has it. It is not certified if the motion begins in contact.
+        As from `PlanningScene.check_motion`. A motion that begins in contact is not certified.
     """
-    times = _instants(motion)
+    times = _sample_times(motion)
     start = scene.clearance(motion.sample(times[0]).position)
     if start.distance > 0.0:
         return scene.check_motion(motion)
     for t in times[1:].tolist():
         found = scene.clearance(motion.sample(t).position)
-        if found.distance < start.distance - _SAME:
+        if found.distance < start.distance - _TOLERANCE:
             return MotionCheck(False, False, t, found.bodies, found.distance)
         if found.distance > 0.0:
             return scene.check_motion(motion.after(t))._replace(certified=False)
@@ -48,8 +47,8 @@ def check_departure(scene: PlanningScene, motion: PiecewisePolynomial) -> Motion
     return MotionCheck(False, False, float(times[-1]), found.bodies, found.distance)
 
 
-def _instants(motion: PiecewisePolynomial) -> Array:
-    """Return instants (k,) between which no joint moves by more than a step."""
+def _sample_times(motion: PiecewisePolynomial) -> Array:
+    """Return times (k,) between which no joint moves by more than a step."""
     fine = [
         np.linspace(begin, end, 10, endpoint=False)
         for begin, end in zip(motion.breaks[:-1], motion.breaks[1:], strict=True)

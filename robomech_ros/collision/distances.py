@@ -169,7 +169,7 @@ class Distances:
         )
 
     def contacts(self, q: Array, pairs: Collection[int] | None = None) -> dict[int, float]:
-        """Return the pairs in contact at drives q (n,), of all or some, and their distances (m)."""
+        """Return the distances (m) of all, or of the given, pairs that touch at drives q (n,)."""
         distances = {}
         for k in range(self._near(q, True, 0.0)):
             pair = int(self._found[k])
@@ -177,7 +177,7 @@ class Distances:
                 distances[pair] = self.exact(pair, self._turns, self._origins, 2 * k)
         return {pair: distance for pair, distance in distances.items() if distance <= 0.0}
 
-    def of_pair(self, pair: int, q: Array) -> float:
+    def pair_distance(self, pair: int, q: Array) -> float:
         """Compute the distance of one pair (m) at drives q (n,)."""
         frames = np.empty((len(self.tables[0]) + 1, 12))
         _frames_at(self.tables[0], q, frames)

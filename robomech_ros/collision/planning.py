@@ -28,8 +28,8 @@ _RANGE, _FAR = 0.8, 1.5
 _LOOKS = (0.5, 0.25, 0.75)
 # Tolerance of the least distance (m).
 _SLACK = 1e-6
-# How far outside its limits a joint may be given (rad or m): 3.14159 is 3e-6 less than half a turn.
-_ROUNDED = 1e-5
+# Excess over a joint limit that counts as rounding (rad or m): pi is 3e-6 more than 3.14159.
+_ROUNDING = 1e-5
 # How a contact at the start is left: step (rad or m), the most steps, random directions of each.
 _STEP, _STEPS, _DIRECTIONS = 0.02, 60, 24
 # The random numbers of OMPL are the process's.
@@ -270,9 +270,9 @@ def _bounds(chain: SerialChain, known: Array) -> Any:
 
 
 def _within_limits(chain: SerialChain, q: Array, what: str) -> Array:
-    """Return a posture (n,) inside the limits, which may have been rounded to less than it has."""
+    """Clip a posture (n,) to the limits; refuse it if it exceeds them by more than rounding."""
     for i, name in enumerate(chain.joint_names):
-        if not chain.lower[i] - _ROUNDED <= q[i] <= chain.upper[i] + _ROUNDED:
+        if not chain.lower[i] - _ROUNDING <= q[i] <= chain.upper[i] + _ROUNDING:
             ends = float(chain.lower[i]), float(chain.upper[i])
             raise SeedOutsideLimitsError(name, float(q[i]), *ends, what, chain.units[i])
     return np.clip(q, chain.lower, chain.upper)

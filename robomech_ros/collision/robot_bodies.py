@@ -26,8 +26,8 @@ from robomech_ros.typing import Array
 
 # The fewest spheres that cover a part of a link.
 _FEWEST_SPHERES = 3
-_made: WeakKeyDictionary[RobotDescription, tuple[list[LinkBody], dict[str, str]]]
-_made = WeakKeyDictionary()
+_known_bodies: WeakKeyDictionary[RobotDescription, tuple[list[LinkBody], dict[str, str]]]
+_known_bodies = WeakKeyDictionary()
 
 
 class LinkPlace(NamedTuple):
@@ -118,7 +118,7 @@ class LinkShape(NamedTuple):
 
 
 class LinkBody(NamedTuple):
-    """A body of a link, its pose (4, 4) in the link (m), and what covers it; see `cover`."""
+    """A body of a link, its pose (4, 4) in the link (m), and its spheres; see `covered`."""
 
     link: str
     body: Body
@@ -130,16 +130,16 @@ class LinkBody(NamedTuple):
 def link_bodies(
     description: RobotDescription | None,
 ) -> tuple[Sequence[LinkBody], Mapping[str, str]]:
-    """Make the bodies of all links, and say why those of some cannot be made, by link.
+    """Return the bodies of all links, and the reason for each link without usable geometry.
 
-    All chains of a robot share them.
+    The result is cached: all chains of a robot share it.
     """
     if description is None:
         return (), {}
-    if description not in _made:
+    if description not in _known_bodies:
         found: list[LinkBody] = []
         faults: dict[str, str] = {}
-        # A mesh takes far more memory than the convex bodies that are made of it.
+        # Only one mesh at a time is in memory: it takes far more than its convex bodies.
         for link, shape, pose in _link_shapes(description, faults):
             try:
                 bodies = shape.parts() if isinstance(shape, Mesh) else [shape.body()]
@@ -148,12 +148,12 @@ def link_bodies(
                 continue
             most = max(MOST_SPHERES // len(bodies), _FEWEST_SPHERES)
             found += [LinkBody(link, body, pose, *covered(body, most)) for body in bodies]
-        _made[description] = found, faults
-    return _made[description]
+        _known_bodies[description] = found, faults
+    return _known_bodies[description]
 
 
 def link_shapes(description: RobotDescription | None) -> tuple[list[LinkShape], dict[str, str]]:
-    """Read the shapes of all links, and why those of some cannot be used, by link."""
+    """Read the shapes of all links, and the reason for each link with an unusable shape."""
     faults: dict[str, str] = {}
     return list(_link_shapes(description, faults)), faults
 
@@ -161,7 +161,7 @@ def link_shapes(description: RobotDescription | None) -> tuple[list[LinkShape], 
 def _link_shapes(
     description: RobotDescription | None, faults: dict[str, str]
 ) -> Iterator[LinkShape]:
-    """Read one shape after the other, and note the faults of links."""
+    """Yield the shapes of all links, and record the faults by link."""
     if description is None or not description.document:
         return
     path = Path(description.where)

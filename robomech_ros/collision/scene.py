@@ -20,8 +20,8 @@ from robomech_ros.collision.scene_objects import (
     SceneObject,
     Shapes,
     around_object,
+    as_object_pose,
     carried_by,
-    placed_at,
     read_parts,
 )
 from robomech_ros.errors import BadValueError, UnknownLinkError
@@ -108,7 +108,7 @@ class PlanningScene:
 
     @property
     def unchecked_text(self) -> str:
-        """Say what of the robot is not checked; empty if all of it is."""
+        """Unchecked links, with the reasons; empty if all links are checked."""
         if not self.has_geometry:
             description = self.chain.description
             name = self.chain.name if description is None else description.name
@@ -163,7 +163,7 @@ class PlanningScene:
         check_name("name", name)
         if name in self._objects or name in self._places.links:
             raise BadValueError("name of an object", name, "one that nothing has yet")
-        placed = np.eye(4) if pose is None else placed_at(pose)
+        placed = np.eye(4) if pose is None else as_object_pose(pose)
         link = self._known(frame) if frame else ""
         if link and not self._places.links[link].frame:
             placed, link = self._places.links[link].pose @ placed, ""
@@ -172,7 +172,7 @@ class PlanningScene:
 
     def move(self, name: str, pose: npt.ArrayLike) -> None:
         """Move an object to a pose (4, 4) in the base, or in the link that carries it (m)."""
-        moved = replace(self._object(name), pose=placed_at(pose))
+        moved = replace(self._object(name), pose=as_object_pose(pose))
         self._change({**self._objects, name: moved})
 
     def remove(self, name: str) -> None:
@@ -208,7 +208,7 @@ class PlanningScene:
         carried = carried_by(self._known(link), found)
         links = listed("touch_links", touch_links, "names of links")
         touching = frozenset(map(self._known, links))
-        placed = found.pose if pose is None else placed_at(pose)
+        placed = found.pose if pose is None else as_object_pose(pose)
         if pose is None and q is not None:
             placed = inverse_pose(self.link_pose(link, q)) @ found.pose
         attached = replace(carried, pose=placed, touch_links=touching)
@@ -348,8 +348,8 @@ class PlanningScene:
         Parameters
         ----------
         start : array_like, shape (n,)
-            Joint values (rad or m).  A start in contact may be left while the distance grows; a
-            joint outside its limits by at most 1e-5, as rounding makes it, is taken at the limit.
+            Joint values (rad or m).  A plan may leave a start in contact while the distance
+            grows.  A joint outside its limits by rounding, at most 1e-5, starts at the limit.
         goals : array_like, shape (n,), (k, n) or (4, 4)
             A posture, some of which one is enough, or a pose of the tip (m): of all its postures
             one is enough.

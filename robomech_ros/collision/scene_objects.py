@@ -39,7 +39,7 @@ class SceneObject:
     touch_links : frozenset of str
         Links that may touch it.
     covers : tuple of (ndarray, ndarray)
-        Spheres of each part while a link carries it; see `covered`.
+        Spheres around each part of an attached object; see `covered`.
     """
 
     name: str
@@ -59,14 +59,14 @@ def read_parts(shape: Shapes) -> tuple[tuple[Shape, Body, Array], ...]:
         if not isinstance(one, Shape) or pose is None:
             expected = "a Box, Sphere, Cylinder, Capsule, Cone, Plane or Mesh, or pairs with poses"
             raise BadValueError("shape", one, expected)
-        parts.append((one, one.body(), placed_at(pose, "pose of a shape")))
+        parts.append((one, one.body(), as_object_pose(pose, "pose of a shape")))
     if not parts:
         raise BadValueError("shape", shape, "at least one")
     return tuple(parts)
 
 
-def placed_at(pose: npt.ArrayLike, what: str = "pose") -> Array:
-    """Check a pose (4, 4), and that distances to it can be computed (m)."""
+def as_object_pose(pose: npt.ArrayLike, what: str = "pose") -> Array:
+    """Check a pose (4, 4), and that its position allows accurate distances (m)."""
     checked = as_pose(pose, what=what)
     away = float(np.abs(checked[:3, 3]).max())
     if away > LARGEST_LENGTH:

@@ -1,4 +1,4 @@
-"""The world around a robot, for a servo that stops before contact."""
+"""A guard that stops a servo before contact in a planning scene."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from robomech_ros.collision.distances import Distances
     from robomech_ros.collision.scene import PlanningScene
 
-# A motion leads out of a contact, or along it, if after this travel (rad or m) of a joint it is not
-# deeper by more than this (m), which is the accuracy of depths.
-_STEP, _SAME = 1e-3, 1e-6
-# While bodies touch, others that are as near as this (m) may touch, too, but less deep.
+# A motion deepens a contact if the depth grows by more than the tolerance (m) after this travel of
+# a joint (rad or m).
+_STEP, _TOLERANCE = 1e-3, 1e-6
+# While bodies touch, other pairs within this distance (m) count as touching, too.
 _NEAR = 2e-3
 
 # Names of two bodies.
@@ -28,12 +28,12 @@ _Pair = tuple[str, str]
 class ServoGuard:
     """Finds contacts ahead of a servo, and proves its plans to stop.
 
-    Motion away from a contact, or along it, is free.
+    Motion away from a contact or along it is allowed.
 
     Parameters
     ----------
     scene : PlanningScene
-        Of the chain that the servo moves. Its padding is the distance kept to objects.
+        Scene of the servo's chain. Its padding is the distance kept from objects.
     self_proximity, scene_proximity : float
         Distances within which motion towards contact of two links, or of a link and an object, is
         slowed down (m).
@@ -45,7 +45,7 @@ class ServoGuard:
         self._scene, self._distances = scene, scene.distances
         self._proximities = self_proximity, scene_proximity
         self._all = self._distances, MotionProof(self._distances, 0.0)
-        # Pairs that touch, and what proves motions of all others.
+        # Touching pairs, with the distances and the proof of all other pairs.
         self._without = frozenset[_Pair](), self._all
 
     def contact(self, curve: Array) -> ContactAhead | None:
@@ -75,7 +75,7 @@ class ServoGuard:
         return None
 
     def _touching(self, q: Array, known: frozenset[_Pair], names: _Pair) -> frozenset[_Pair]:
-        """Return the pairs that touch at q (n,); of those that nearly do, the one in the way."""
+        """Return the pairs that touch at q (n,); to known ones, add the given one if it is near."""
         if not known:
             return frozenset(map(self._distances.names, self._distances.contacts(q)))
         return known | {names} if self._distance(q, names) <= _NEAR else known
@@ -83,24 +83,26 @@ class ServoGuard:
     def _leads_deeper(
         self, curve: Array, start: Array, touching: frozenset[_Pair], *, whole: bool
     ) -> bool:
-        """Whether the least distance of pairs shrinks on a curve, at first or as a whole."""
-        way = (curve[-1] if whole else curve[1]) - curve[0]
-        moved = float(np.abs(way).max())
+        """Return whether the least distance of pairs shrinks on a curve, at first or as a whole."""
+        travel = (curve[-1] if whole else curve[1]) - curve[0]
+        moved = float(np.abs(travel).max())
         if not moved:
             return False
-        later = curve[0] + (1.0 if whole else min(_STEP / moved, 1.0)) * way
+        later = curve[0] + (1.0 if whole else min(_STEP / moved, 1.0)) * travel
         least = (min(self._distance(q, names) for names in touching) for q in (later, start))
-        return next(least) < next(least) - _SAME
+        return next(least) < next(least) - _TOLERANCE
 
     def _deepest(self, q: Array, touching: frozenset[_Pair]) -> _Pair:
         return min(touching, key=lambda names: self._distance(q, names))
 
     def _distance(self, q: Array, names: _Pair) -> float:
-        """Compute the distance of two links or objects (m), as padded."""
-        return min(self._distances.of_pair(pair, q) for pair in self._distances.pairs_of(names))
+        """Compute the padded distance of two links or objects (m)."""
+        return min(
+            self._distances.pair_distance(pair, q) for pair in self._distances.pairs_of(names)
+        )
 
     def _proof_without(self, touching: frozenset[_Pair]) -> tuple[Distances, MotionProof]:
-        """Return what proves motions of all pairs but those that touch."""
+        """Return the distances and the proof of all pairs except the touching ones."""
         if not touching:
             return self._all
         if touching != self._without[0]:

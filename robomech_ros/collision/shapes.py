@@ -27,13 +27,13 @@ from robomech_ros.typing import Array, IntArray
 
 # Lengths of shapes (m); others are hardly meant.
 SMALLEST, LARGEST = 1e-6, 1e4
-# Triangles that a mesh may have, and bytes of its file: more make scenes slow and large.
+# Most triangles of a mesh, and most bytes of its file: more make scenes slow and large.
 MOST_TRIANGLES, _LARGEST_FILE = 200_000, 64 * 1024 * 1024
 # Convex parts of a link whose mesh is not convex, and half the length (m) of one that is small.
 _MOST_PARTS, _SMALL = 8, 0.05
-# Bytes of a binary STL: before the triangles, with their number at the end, and of each.
+# Bytes of a binary STL: the header, which ends with the number of triangles; and each triangle.
 _STL_HEADER, _STL_TRIANGLE = 84, 50
-# By what part of its size a hull may be larger that coal cannot take as it is.
+# Relative enlargement of a hull that coal refuses in its exact form.
 _UNEVEN = 1e-6
 # Sides of the prism around a cylinder.
 _SIDES = 16
@@ -355,7 +355,7 @@ def check_triangles(name: str, count: int) -> None:
 
 
 def _check_file(path: Path) -> None:
-    """Refuse a file that would take much memory only to be refused."""
+    """Refuse a large file before reading it into memory."""
     try:
         size = path.stat().st_size
         with open_regular(path) as file:
@@ -420,8 +420,8 @@ def _hull(corners: Array) -> Body:
     try:
         hull = _convex(corners)
     except RuntimeError:
-        # A corner has more than 255 neighbours, as on a large round face: with all corners a
-        # little farther out, each by its own part of that, the face is no plane any more.
+        # Coal allows 255 neighbours of a corner; a large round face can have more. Random outward
+        # shifts of the corners make the face uneven.
         middle = corners.mean(axis=0)
         farther = 1.0 + _UNEVEN * np.random.default_rng(0).random((len(corners), 1))
         corners = middle + farther * (corners - middle)
@@ -436,9 +436,9 @@ def _convex(corners: Array) -> Any:
     return coal().Convex.convexHull(points, True, "Qt")
 
 
-def _is_convex(vertices: Array, faces: IntArray, whole: float) -> bool:
-    """Whether a mesh is the surface of its convex hull, whose volume is known (m^3)."""
+def _is_convex(vertices: Array, faces: IntArray, hull_volume: float) -> bool:
+    """Return whether a mesh is the surface of its convex hull, given the hull's volume (m^3)."""
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     middle = vertices.mean(axis=0)
     volume = float(np.einsum("ij,ij->i", a - middle, np.cross(b - middle, c - middle)).sum()) / 6.0
-    return abs(volume) > (1.0 - 1e-6) * whole
+    return abs(volume) > (1.0 - 1e-6) * hull_volume

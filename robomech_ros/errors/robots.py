@@ -93,10 +93,10 @@ class MissingSupportError(BadValueError):
     Parameters
     ----------
     feet : iterable of str
-        Those on the ground.
+        Feet on the ground.
     missing : sequence of float
-        The smallest wrench [n; f] (N m, N) that would have to help, moment about the origin of the
-        trunk, in its axes.
+        The smallest missing wrench [n; f] (N m, N): moment about the origin of the trunk, in its
+        axes.
     when : str, optional
         Added to the message, such as the time in a walk.
     """
@@ -106,10 +106,10 @@ class MissingSupportError(BadValueError):
         self.missing = tuple(float(x) for x in missing)
         super().__init__("load of the feet", self.missing, "one that they can carry")
         n, f = (", ".join(f"{x:.4g}" for x in part) for part in (missing[:3], missing[3:]))
-        who = f"feet {listed(self.feet)}" if self.feet else "no foot is on the ground, so feet"
+        who = f"feet {listed(self.feet)}" if self.feet else "with no foot on the ground, the robot"
         RobomechError.__init__(
             self,
-            f"{who} cannot carry the load{when}: a moment [{n}] N m and a force [{f}] N on the "
-            "trunk are missing within friction cones and efforts of joints; put more feet on the "
-            "ground, or accelerate less",
+            f"{who} cannot carry the load{when} within friction cones and effort limits: a moment "
+            f"[{n}] N m and a force [{f}] N on the trunk are missing; put more feet on the ground, "
+            "or accelerate less",
         )

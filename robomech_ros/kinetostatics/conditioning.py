@@ -45,9 +45,8 @@ _OPTIONS = {"gtol": 1e-9, "maxiter": 300}
 _FEWER = {"gtol": 1e-9, "maxiter": 100}
 # Step over which second derivatives are taken; they grow with the power.
 _STEP = 1e-3
-# Step of the parameters of a design over which the gradient is differentiated (of the size, rad);
-# part of the greatest second derivative that is rounding; and part of the length in a direction
-# along which the condition number does not change.
+# Step of finite differences over design parameters (relative to the size, or rad); part of the
+# greatest second derivative that counts as zero; largest part of the length in a flat direction.
 _DESIGN_STEP, _FLAT, _FREE = 1e-5, 1e-6, 1e-3
 
 
@@ -134,17 +133,17 @@ def characteristic_length(chain: SerialChain, *, norm: str = "2") -> Characteris
 
 @dataclass(frozen=True, eq=False)
 class LengthGradient:
-    """The characteristic length of a design, and its derivatives by the design.
+    """The characteristic length of a design, and its derivatives with respect to the parameters.
 
     Parameters
     ----------
     length : CharacteristicLength
         By the Frobenius norm (m).
     a, b : ndarray, shape (n,)
-        Derivatives by the lengths and the offsets of the links (1); that by the offset of a
-        prismatic joint is 0, because it is the joint's variable.
+        Derivatives with respect to link lengths and offsets (1); 0 for the offset of a prismatic
+        joint, which is the joint's variable.
     alpha : ndarray, shape (n,)
-        Derivatives by the twists of the links (m/rad).  NaN where there is none.
+        Derivatives with respect to link twists (m/rad).  NaN: there is no derivative.
     """
 
     length: CharacteristicLength
@@ -154,7 +153,7 @@ class LengthGradient:
 
 
 def characteristic_length_gradient(chain: SerialChain) -> LengthGradient:
-    r"""Differentiate the characteristic length by the Denavit-Hartenberg parameters.
+    r"""Differentiate the characteristic length with respect to Denavit-Hartenberg parameters.
 
     The best posture and the logarithm of the length, x, solve
     :math:`\nabla_x \ln \kappa_F(x, p) = 0` for the parameters p, so
@@ -164,9 +163,9 @@ def characteristic_length_gradient(chain: SerialChain) -> LengthGradient:
     with the second derivatives H.  The Frobenius norm is used: it is smooth where the 2-norm is
     not, as in an isotropic posture.  For revolute joints without a tool the length is proportional
     to the arm, so the sum of all lengths and offsets times their derivatives is the length.
-    Where several postures are best, as of an arm with symmetries, the derivatives are those along
-    the posture ``length.q``; the length itself has a kink there.  A derivative is NaN if the
-    parameter decides on a joint that did not matter before, as a tip off the last axis does.
+    If several postures are best, as for a symmetric arm, the derivatives hold for the posture
+    ``length.q``; the length itself has a kink there.  A derivative is NaN if the parameter makes a
+    joint matter that did not before: for example, it moves the tip off the last axis.
 
     Parameters
     ----------
@@ -176,7 +175,7 @@ def characteristic_length_gradient(chain: SerialChain) -> LengthGradient:
     Raises
     ------
     BadValueError
-        The chain has coupled joints, or its length is free.
+        The chain has coupled joints, or any length is a characteristic length.
 
     References
     ----------
@@ -202,7 +201,8 @@ def characteristic_length_gradient(chain: SerialChain) -> LengthGradient:
     if np.abs(directions[-1, flat]).max(initial=0.0) > _FREE:
         expected = "one whose condition number depends on the length of its linear rows"
         raise BadValueError("chain", chain.name, expected)
-    # Of dx the last entry, that of ln L: minus a row of the inverse without flat directions.
+    # The last entry of dx is that of ln L: the negative last row of the inverse, without flat
+    # directions.
     row = directions[:, ~flat] @ (directions[-1, ~flat] / values[~flat])
     length = CharacteristicLength(_length(chain, x))
     length.q, length.condition_number = _within_a_turn(chain, x[:-1]), condition

@@ -128,11 +128,11 @@ def isotropic_spatial_3r(reach: float, *, shoulder: float = 0.0) -> IsotropicDes
     """
     size = positive_number("reach", reach)
     most = 2.0 * size / (3.0 + np.sqrt(2.0))
-    expected = f"0 to {most:.6g} m: no design of this reach with a larger one is isotropic"
+    expected = f"0 to {most:.6g} m: with a larger one, no design of this reach is isotropic"
     offset = real_within("shoulder", shoulder, expected, 0.0, most)
     a3 = (size - offset) / (1.0 + np.sqrt(2.0))
     psi = np.arccos(np.clip(1.0 - offset / a3, -1.0, 1.0))
-    # Seen from axis 2 the tip is half a right angle behind link 2.
+    # Seen from axis 2, the tip is 45 degrees behind link 2.
     q = np.array([0.0, psi - 0.25 * np.pi, 0.75 * np.pi])
     alpha = np.array([0.5 * np.pi, 0.0, 0.0])
     return IsotropicDesign(

@@ -18,7 +18,7 @@ from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.typing import Array, ArrayLike
 
 _FEWEST_STEPS, _MOST_STEPS, _REFINEMENTS = 8, 2048, 6
-# Logarithm of the condition number from which on the grid does not tell postures apart.
+# Larger logarithms of the condition number on the grid count as equal.
 _STEEP = 20.0
 
 
@@ -30,15 +30,15 @@ class ConditionLoci:
     ----------
     chain : SerialChain
     joints : tuple of int
-        The two joints, from 0.
+        Indices of the two joints.
     part : str
         The rows of the Jacobian that count.
     length : float or None
-        What linear rows are divided by (m).
+        Divisor of the linear rows (m).
     levels : ndarray, shape (m,)
         Condition numbers.
     curves : tuple of tuple of ndarray, shape (k, n)
-        Of each level, all joint values (rad or m) along pieces of connected points.  The tip's
+        Connected pieces of each level, as values of all joints (rad or m).  The tip's
         positions are ``forward_kinematics(chain, curve)[:, :3, 3]``.
     axes : tuple of ndarray, shape (s,)
         Values of both joints on a grid (rad or m).
@@ -66,23 +66,23 @@ def condition_loci(
     length: float | None = None,
     steps: int = 180,
 ) -> ConditionLoci:
-    """Follow the curves on which the condition number by the Frobenius norm has given values.
+    """Trace the curves on which the Frobenius condition number has given values.
 
     Parameters
     ----------
     chain : SerialChain
-        Of two joints or more.
+        Chain of two joints or more.
     levels : array_like, shape (m,)
-        Condition numbers above 1: an isotropic posture is a point.
+        Condition numbers above 1; the level 1 would be isolated points.
     joints : tuple of int, optional
-        Two joints, from 0; default the second and the third, or both of two.  Revolute ones take a
-        whole turn, prismatic ones the range within their limits.
+        Indices of two joints, from 0; default the second and the third, or both of two.  The range
+        of revolute joints is a turn, that of prismatic joints is within their limits.
     q : array_like, shape (n,), optional
         Values of the other joints (rad or m); default 0.
     part : {"position", "orientation", "pose"}, optional
         Which rows of the Jacobian count.
     length : float, optional
-        What linear rows are divided by (m); default the characteristic length for "pose".
+        Divisor of the linear rows (m); default the characteristic length for "pose".
     steps : int, optional
         Cells of the grid in each direction, 8 to 2048.
 
@@ -145,12 +145,12 @@ def _axis(chain: SerialChain, joint: int, count: int) -> Array:
     ends = np.array([chain.lower[joint], chain.upper[joint]])
     if not np.isfinite(ends).all():
         name = chain.joint_names[joint]
-        raise BadValueError(f"limits of joint '{name}'", ends.tolist(), "finite ones (m)")
+        raise BadValueError(f"range of joint '{name}'", ends.tolist(), "finite limits (m)")
     return np.linspace(ends[0], ends[1], count)
 
 
 def _curves(loci: ConditionLoci, rest: Array, level: float) -> tuple[Array, ...]:
-    """Follow one level on the grid, and move the points onto it by steps along the gradient."""
+    """Trace one level on the grid, and refine its points by steps along the gradient."""
     from contourpy import LineType, contour_generator
 
     heights = np.minimum(np.log(loci.grid), _STEEP)

@@ -14,7 +14,7 @@ _DARKEST = 20.0
 
 
 def plot_condition_loci(path: str | Path, loci: ConditionLoci, *, title: str | None = None) -> Path:
-    """Write a picture of the curves over both joints, with the condition number as the background.
+    """Plot the curves over both joints, with the condition number as the background.
 
     Parameters
     ----------
@@ -22,12 +22,12 @@ def plot_condition_loci(path: str | Path, loci: ConditionLoci, *, title: str | N
         The picture; its ending (png, svg, pdf) gives the format.
     loci : ConditionLoci
     title : str, optional
-        Above the picture; default robot and part.
+        Title; default robot and part.
 
     Returns
     -------
     Path
-        Where the picture is.
+        The picture.
 
     Raises
     ------

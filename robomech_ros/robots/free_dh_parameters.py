@@ -1,4 +1,4 @@
-"""Denavit-Hartenberg parameters that lines of axes leave free."""
+"""Denavit-Hartenberg parameters that the joint axes leave free."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from robomech_ros.robots.dh_table import DHTable
 
 
 class DHAmbiguity(NamedTuple):
-    """Parameters of a table that could be others for the same arm.
+    """Free parameters of a table: other values describe the same arm.
 
     Attributes
     ----------
@@ -33,8 +33,7 @@ class DHAmbiguity(NamedTuple):
 def dh_ambiguities(table: DHTable) -> tuple[DHAmbiguity, ...]:
     """Name the parameters of a table that the axes of the joints do not determine.
 
-    Lines that are skew or cross at a distance have one common normal, which fixes all
-    parameters between them.
+    Skew axes have one common normal, which fixes all parameters between them.
 
     Parameters
     ----------
@@ -62,7 +61,7 @@ def dh_ambiguities(table: DHTable) -> tuple[DHAmbiguity, ...]:
     reason = (
         "no axis precedes axis 1: frame 1 may slide along it and turn about it, because the base"
     )
-    found = [DHAmbiguity("first frame", ("b_1", "theta_1"), f"{reason} makes up for it")]
+    found = [DHAmbiguity("first frame", ("b_1", "theta_1"), f"{reason} transform compensates")]
     for i in range(1, n + 1):
         if table.types[i - 1] == PRISMATIC:
             found.append(_sliding(i))
@@ -75,7 +74,7 @@ def dh_ambiguities(table: DHTable) -> tuple[DHAmbiguity, ...]:
 
 def _sliding(i: int) -> DHAmbiguity:
     before = (f"a_{i - 1}", f"b_{i - 1}") if i > 1 else ()
-    reason = f"joint {i} slides: only the direction of its axis counts, not its place"
+    reason = f"joint {i} slides: only the direction of its axis counts, not its position"
     return DHAmbiguity("prismatic", (*before, f"a_{i}", f"b_{i}"), reason)
 
 

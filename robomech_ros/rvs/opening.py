@@ -61,9 +61,9 @@ def view(
         Links between which the arm is; by default those of ``load_robot``.  A parallel robot has
         its own.
     scene : PlanningScene, mapping or path, optional
-        What stands around an arm: a scene of this arm, whose chain is then shown, or a scene in
-        MoveIt's layout (see :meth:`~robomech_ros.collision.PlanningScene.load`).  The page moves
-        the objects of a copy.
+        The objects around an arm: a scene of this arm, whose chain is then shown, or a scene in
+        MoveIt's layout (see :meth:`~robomech_ros.collision.PlanningScene.load`).  The page changes
+        a copy.
 
     Returns
     -------
@@ -79,8 +79,8 @@ def view(
     AddressError
         The system does not let anybody listen at the address.
     BadValueError
-        It is no port number, or no text, or the robot has limbs of any kind, or the scene is not
-        one of this arm.
+        The port or the host is invalid, the robot has limbs of any kind, or the scene is of
+        another arm.
     MissingLibraryError
         A scene is given, and coal is not installed.
     UnknownRobotError, UnknownLinkError, RobotDescriptionError
@@ -102,7 +102,7 @@ def view(
     if scene is None:
         return page_of(description, moved or description.chain(base, tip), port=port, host=host)
     if moved is not None:
-        raise BadValueError("scene", "given", f"none: '{moved.name}' is no arm")
+        raise BadValueError("scene", "given", f"none: '{moved.name}' is not an arm")
     around = _scene_of(description, base, tip, scene)
     return page_of(description, around.chain, port=port, host=host, scene=around)
 
@@ -119,7 +119,7 @@ def _scene_of(
         return scene
     own = given.chain.description
     if own is None or own.name != description.name or base or tip:
-        expected = f"a scene of '{description.name}', which has its own base and tip"
+        expected = f"a scene of '{description.name}', without another base or tip"
         raise BadValueError("scene", f"one of '{given.chain.name}'", expected)
     return given.copy()
 
@@ -179,7 +179,7 @@ def page_of(
     live : sequence of LayerMaker, optional
         Layers of a robot that runs, before the others; no other robot can then be shown.
     scene : PlanningScene, optional
-        What stands around the arm, which is the chain of the scene.
+        The objects around the arm, which is the chain of the scene.
     """
     require_viser()
     from robomech_ros.rvs.layers.gripper import GripperLayer

@@ -1,4 +1,4 @@
-"""Slower motion towards contact: how much of a command is followed, and what says so.
+"""Slower motion towards contact: the part of a command to follow, and the report.
 
 The servo knows bodies only through a guard, which finds where a motion first touches something.
 """
@@ -9,10 +9,9 @@ from typing import NamedTuple, Protocol
 from robomech_ros.servo.report import ServoCondition, ServoReport
 from robomech_ros.typing import Array
 
-# How far ahead a motion is examined at least (s); a proximity slows nothing that is farther away.
+# Least look-ahead (s); a proximity slows down no motion that is farther from contact.
 _LOOK_AHEAD = 0.3
-# The braking that approaching contact uses, as a part of the limits; the time constant of the end
-# of an approach (s).
+# Braking on the approach to contact, as a part of the limits; time constant at its end (s).
 _PART, _CREEP = 0.5, 0.1
 # The robot stops this far before contact, by the travel of the fastest joint (rad or m).
 _BEFORE = 1e-3
@@ -23,8 +22,8 @@ _HALT = 0.01
 class ContactAhead(NamedTuple):
     """The first contact on a motion.
 
-    It comes after the part ``at`` of the motion, 0 to 1. The bodies are now apart by a distance
-    (m), and are slowed down within the ``proximity`` (m) that their kind has. The words name both.
+    It comes after the part ``at`` of the motion, 0 to 1. The bodies are now ``distance``
+    apart (m), and slow down within ``proximity`` (m). The ``words`` name both.
     """
 
     at: float
@@ -34,7 +33,7 @@ class ContactAhead(NamedTuple):
 
 
 class ContactGuard(Protocol):
-    """What knows the bodies of a robot and of its surroundings."""
+    """Interface to the bodies of a robot and of its surroundings."""
 
     def contact(self, curve: Array) -> ContactAhead | None:
         """Find the first contact on a curve of n joints, as Bernstein coefficients (d + 1, n).
@@ -46,12 +45,11 @@ class ContactGuard(Protocol):
         """Return a contact on successive curves (s, d + 1, n); None if they are proved free."""
 
 
-class Ahead(NamedTuple):
-    """Where a command leads.
+class MotionAhead(NamedTuple):
+    """The motion that a command leads to.
 
-    The curve (d + 1, n), as Bernstein coefficients, takes so many seconds at the full speed that
-    velocity limits allow, from which stopping takes the time ``stop`` (s). That speed is the part
-    ``limited`` of the commanded one.
+    The curve (d + 1, n), as Bernstein coefficients, takes ``seconds`` at the highest speed within
+    the limits, which is the part ``limited`` of the command. Stopping from it takes ``stop`` (s).
     """
 
     curve: Array
@@ -68,16 +66,15 @@ class Slowing(NamedTuple):
 
 
 def look_ahead(stop: float) -> float:
-    """Return how far ahead (s) a motion is examined that needs a time to stop (s)."""
+    """Return the look-ahead (s) for a motion that needs a time to stop (s)."""
     return max(_LOOK_AHEAD, stop / (2.0 * _PART))
 
 
-def slowed(guard: ContactGuard, ahead: Ahead | None) -> Slowing:
-    """Find how much of a command can be followed; None ahead if it moves nothing.
+def slowed(guard: ContactGuard, ahead: MotionAhead | None) -> Slowing:
+    """Find the part of a command to follow; ``ahead`` is None if it moves nothing.
 
-    With half the braking that limits allow, the robot stops at the contact. Within the proximity of
-    its bodies the speed is also in proportion to their distance, or to the time until they touch if
-    that leaves more.
+    Half the braking that limits allow suffices to stop before contact. Within the proximity the
+    speed is also in proportion to the distance, or to the time to contact if that allows more.
     """
     found = None if ahead is None else guard.contact(ahead.curve)
     if ahead is None or found is None:
@@ -98,7 +95,7 @@ def slowed(guard: ContactGuard, ahead: Ahead | None) -> Slowing:
 def contact_report(found: ContactAhead, report: ServoReport, part: float) -> ServoReport:
     """Say that a contact limits the motion, unless something else stops it.
 
-    ``report`` is that on the part of the command that was followed.
+    ``report`` is about the followed part of the command.
     """
     stops = ServoCondition.SINGULARITY, ServoCondition.IMPOSSIBLE, ServoCondition.JOINT_BOUND
     if report.condition in stops:

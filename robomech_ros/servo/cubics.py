@@ -13,7 +13,7 @@ from robomech_ros.typing import Array
 
 _cubics_inside = direct(cubics_inside)
 
-# Where a curve of degree 5 is fitted to points, and what makes its coefficients of them.
+# Parameters of the points that determine a curve of degree 5, and the matrix to its coefficients.
 FITTED: Array = np.linspace(0.0, 1.0, 6)
 _FIT = np.linalg.inv(
     [[math.comb(5, k) * t**k * (1.0 - t) ** (5 - k) for k in range(6)] for t in FITTED.tolist()]
@@ -42,7 +42,7 @@ def bernstein(times: Array, q: Array, v: Array) -> Array:
 def fitted(q: Array) -> Array:
     """Return the Bernstein coefficients (6, n) of the curve through points (6, n) at `FITTED`."""
     coefficients: Array = _FIT @ q
-    # Exactly, not but for rounding.
+    # The curve begins exactly at the first point, without rounding.
     coefficients[0] = q[0]
     return coefficients
 

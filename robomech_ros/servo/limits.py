@@ -45,7 +45,7 @@ class ServoLimits(Limits):
         return min(1.0, 1.0 / max(float(share[fastest]), 1e-300)), fastest
 
     def limited(self, rates: Array) -> tuple[float, float]:
-        """Return how much of rates is allowed, and how long stopping from that takes (s)."""
+        """Return the allowed part of rates, and the time to stop from it (s)."""
         part = self.share_of(rates)[0]
         return part, part * float(np.max(np.abs(rates) / self.acceleration))
 

@@ -108,7 +108,7 @@ class LineMotion:
         self._reached = np.zeros((2, q.shape[1])) if reached is None else reached
 
     def copy(self) -> "LineMotion":
-        """Return a motion on the same path that goes on alone from here."""
+        """Return an independent copy on the same path."""
         other = copy(self)
         other._deviation = copy(self._deviation)
         return other

@@ -46,7 +46,7 @@ class LinePath:
 
     @property
     def laid(self) -> float:
-        """The place up to which it is laid."""
+        """Path parameter up to which the line is laid."""
         return self._way.nodes[-1].place
 
     @property

@@ -123,7 +123,7 @@ class Motion:
         return motion if ((lower <= ways) & (ways <= upper)).all() else None
 
     def copy(self) -> "Motion":
-        """Return a motion that goes on alone from here."""
+        """Return an independent copy."""
         other = copy(self)
         other._positions, other._velocities = self._positions.copy(), self._velocities.copy()
         other._plan = copy(self._plan)

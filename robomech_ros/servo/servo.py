@@ -10,8 +10,8 @@ from robomech_ros.kinematics.joint_values import as_joint_values, raise_not_fini
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.servo.commands import Command, JointCommand, PoseCommand, TwistCommand
 from robomech_ros.servo.contact_slowing import (
-    Ahead,
     ContactGuard,
+    MotionAhead,
     contact_report,
     look_ahead,
     slowed,
@@ -49,8 +49,8 @@ class Servo:
     """Turns commands into a stream of joint positions for a chain of joints with velocity limits.
 
     The last command is kept unless it was forgotten; while ``paused`` it brakes and holds, whatever
-    is commanded. With a ``guard`` it slows down before contact, and every plan to stop is proved
-    free of it. Raises MissingLimitsError for a joint without a velocity limit, BadValueError for a
+    is commanded. With a ``guard`` it slows down before contact, and proves every plan to stop free
+    of contact. Raises MissingLimitsError for a joint without a velocity limit, BadValueError for a
     chain without joints.
     """
 
@@ -153,7 +153,7 @@ class Servo:
     def _follow_guarded(
         self, guard: ContactGuard, stream: Stream, command: TwistCommand | JointCommand
     ) -> ServoReport:
-        """Go on by one period, not into contact; brake if that cannot be proved."""
+        """Follow a command for one period without contact; brake if that cannot be proved."""
         part, found = slowed(guard, self._ahead(stream, command))
         if found is not None and not part:
             stream.brake()
@@ -170,8 +170,8 @@ class Servo:
             found = found or reached
         return report if found is None else contact_report(found, report, part)
 
-    def _ahead(self, stream: Stream, command: TwistCommand | JointCommand) -> Ahead | None:
-        """Find where a command leads; None if it moves nothing."""
+    def _ahead(self, stream: Stream, command: TwistCommand | JointCommand) -> MotionAhead | None:
+        """Find the motion that a command leads to; None if it moves nothing."""
         if isinstance(command, TwistCommand):
             return self._twists.ahead(stream, command)
         if not command.rates.any():
@@ -179,10 +179,10 @@ class Servo:
         limited, stop = self.limits.limited(command.rates)
         q, seconds = stream.position, look_ahead(stop)
         end = q + seconds * limited * command.rates
-        return Ahead(np.array((q, end)), seconds, stop, limited)
+        return MotionAhead(np.array((q, end)), seconds, stop, limited)
 
     def _follow(self, stream: Stream, command: TwistCommand | JointCommand) -> ServoReport:
-        """Go on by one period with a command."""
+        """Follow a command for one period."""
         if isinstance(command, TwistCommand):
             return self._twists.follow(stream, command)
         self._twists.end()

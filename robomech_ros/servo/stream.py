@@ -44,7 +44,7 @@ class Stream:
         self._knots = deque([(q - i * period * v, v) for i in before], maxlen=len(before))
 
     def copy(self) -> "Stream":
-        """Return a stream that goes on alone from here."""
+        """Return an independent copy."""
         other = copy(self)
         other._free, other._knots = self._free.copy(), self._knots.copy()
         other.line = None if self.line is None else self.line.copy()
@@ -170,7 +170,7 @@ class Stream:
         return self._from(self._lead)
 
     def newest(self) -> Samples:
-        """Return the stream from the knot before the latest on: what the last period decided."""
+        """Return the part of the stream that the last period decided, from the knot before it."""
         return self._from(1)
 
     def _from(self, lead: int) -> Samples:

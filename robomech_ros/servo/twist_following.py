@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from robomech_ros.servo.commands import TwistCommand
-from robomech_ros.servo.contact_slowing import Ahead, look_ahead
+from robomech_ros.servo.contact_slowing import MotionAhead, look_ahead
 from robomech_ros.servo.cubics import FITTED, fitted
 from robomech_ros.servo.exit_search import SingularityExit
 from robomech_ros.servo.limits import ServoLimits
@@ -88,8 +88,8 @@ class TwistFollowing:
         share = self._limits.share_of(found.rates)
         return motion_report(self._limits, found, share, advance, stream.velocity)
 
-    def ahead(self, stream: Stream, command: TwistCommand) -> Ahead | None:
-        """Find where a twist leads, as far as its line is laid if it follows one; None at rest."""
+    def ahead(self, stream: Stream, command: TwistCommand) -> MotionAhead | None:
+        """Find the motion that a twist leads to, along its line as far as laid; None at rest."""
         q = stream.position
         twist = _twist_of(command, q)
         line = stream.line
@@ -103,7 +103,7 @@ class TwistFollowing:
             if rate and seconds > _LAID * look_ahead(stop):
                 places = line.place + rate * seconds * FITTED
                 curve = fitted(line.path.at(places, np.zeros_like(places))[0])
-                return Ahead(curve, seconds, stop, limited)
+                return MotionAhead(curve, seconds, stop, limited)
         if not twist.any():
             return None
         rates = self._resolver.heading(q, twist).rates
@@ -116,10 +116,12 @@ class TwistFollowing:
         seconds = look_ahead(stop)
         step = limited * seconds * rates
         bend = (limited * seconds) ** 2 * largest / _AHEAD * change
-        return Ahead(np.array((q, q + 0.5 * step, q + step + 0.5 * bend)), seconds, stop, limited)
+        return MotionAhead(
+            np.array((q, q + 0.5 * step, q + step + 0.5 * bend)), seconds, stop, limited
+        )
 
     def lay_ahead(self, stream: Stream) -> None:
-        """Lay the line as far as a motion is examined, if this period has time left for that."""
+        """Lay the line as far as the look-ahead, if this period has time left."""
         if (line := stream.line) is not None:
             rate = line.wanted
             limited, stop = self._limits.limited(rate * line.path.slope(line.place))

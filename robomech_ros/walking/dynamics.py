@@ -23,15 +23,15 @@ from robomech_ros.walking.stance_mechanism import contact_rows
 
 @dataclass(frozen=True, eq=False)
 class PlantedMotion:
-    """Motion that torques cause while feet stand still.
+    """Motion caused by torques while feet stand still.
 
     Attributes
     ----------
     accelerations : ndarray, shape (6 + 3 k,)
         Derivative of the twist of the trunk in its axes, then joint accelerations.
     forces : ndarray, shape (k, 3)
-        Of the ground on each foot (N), in the axes of the trunk; a foot that it would have to pull
-        has one with a negative normal part.
+        Ground force on each foot (N), in the axes of the trunk; its normal part is negative if the
+        ground would have to pull.
     """
 
     accelerations: Array
@@ -39,26 +39,26 @@ class PlantedMotion:
 
 
 class WalkingDynamics:
-    r"""A legged robot as a trunk that floats, with k legs of three joints each.
+    r"""A legged robot as a floating trunk with k legs of three joints each.
 
     The rates are ``u = [omega; v; qd]``, shape (6 + 3 k,): the twist of the trunk at its origin and
-    in its axes, then all joints, leg by leg; efforts are ``[n; f; tau]``.  While feet stand still,
-    the twist and the rates of legs in the air, w, determine all: ``u = N w``, with an orthogonal
-    complement N of the constraints.  Forces of the ground drop out of
+    in its axes, then the joint rates, leg by leg; efforts are ``[n; f; tau]``.  While feet stand
+    still, the twist of the trunk and the rates of lifted legs, w, determine ``u = N w`` with an
+    orthogonal complement N of the constraints.  Ground forces drop out of
 
     .. math:: N^T M N \dot w = N^T (B \tau - M \dot N w - h)
 
     Parameters
     ----------
     robot : LeggedRobot
-        With the bodies of its legs.
+        Robot with the bodies of its legs.
     trunk : Body, optional
-        What is fixed to the trunk, in its frame, a load included.  Default ``robot.trunk_body``.
+        Body of the trunk with everything fixed to it, in its frame.  Default ``robot.trunk_body``.
 
     Raises
     ------
     MissingInertiaError
-        Nothing is known of the mass of the trunk, or of links of legs.
+        The mass of the trunk or of a leg's link is unknown.
 
     References
     ----------
@@ -132,7 +132,7 @@ class WalkingDynamics:
         normals: ArrayLike = UPWARDS,
         smallest: str = "forces",
     ) -> FootForces:
-        """Compute forces at the feet and torques of all joints that a motion takes.
+        """Compute the ground forces and joint torques of a motion.
 
         Parameters
         ----------
@@ -159,7 +159,7 @@ class WalkingDynamics:
         )
 
     def complement(self, q: ArrayLike, stance: Sequence[str] | None = None) -> Array:
-        """Compute N, from the twist of the trunk and the rates of legs in the air to u.
+        """Compute the matrix N from the twist of the trunk and the rates of lifted legs to u.
 
         Parameters
         ----------
@@ -173,7 +173,7 @@ class WalkingDynamics:
         ndarray, shape (6 + 3 k, 6 + 3 m)
             For m legs in the air, in their order.
         """
-        standing, lifted = self._divided(stance)
+        standing, lifted = self._legs_by_contact(stance)
         feet, J = self.robot.feet(q), self.robot.foot_jacobians(q)
         self.robot.check_regular(q, J, standing)
         N = np.zeros((6 + self.robot.n, 6 + 3 * len(lifted)))
@@ -222,7 +222,7 @@ class WalkingDynamics:
         stance: Sequence[str] | None = None,
         gravity: ArrayLike = GRAVITY,
     ) -> PlantedMotion:
-        """Compute the motion that torques cause while feet stand still, by the complement N.
+        """Compute the motion caused by torques while feet stand still, by the complement N.
 
         Parameters
         ----------
@@ -231,7 +231,7 @@ class WalkingDynamics:
         independent : array_like, shape (6 + 3 m,)
             The twist of the trunk, then the rates of m legs in the air.
         torques : array_like, shape (3 k,)
-            Of all joints (N m or N).
+            Joint torques (N m or N).
         stance : sequence of str, optional
             The legs that stand, default all.
         gravity : array_like, shape (3,), optional
@@ -244,14 +244,14 @@ class WalkingDynamics:
         left = np.concatenate((np.zeros(6), tau)) - self.inverse(q, u, drift, gravity=gravity)
         du = drift + N @ np.linalg.solve(N.T @ self.mass_matrix(q) @ N, N.T @ left)
         lacking = (self.inverse(q, u, du, gravity=gravity)[6:] - tau).reshape(-1, 3)
-        standing, _ = self._divided(stance)
+        standing, _ = self._legs_by_contact(stance)
         forces, J = np.zeros((len(self.robot.legs), 3)), self.robot.foot_jacobians(q)[standing]
         forces[standing] = solve(J.transpose(0, 2, 1), lacking[standing])
         return PlantedMotion(du, forces)
 
     def _drift(self, q: ArrayLike, u: Array, stance: Sequence[str] | None) -> Array:
         """Return the derivative of u, feet still, while w is constant: ``dN/dt w``, (6 + 3 k,)."""
-        standing, _ = self._divided(stance)
+        standing, _ = self._legs_by_contact(stance)
         rows, speeds = self.robot.joints(q), u[6:].reshape(-1, 3)
         J = self.robot.foot_jacobians(q)[standing]
         legs = self.robot.legs
@@ -261,8 +261,8 @@ class WalkingDynamics:
         drift[6:].reshape(-1, 3)[standing] = -solve(J, turned + bent)
         return drift
 
-    def _divided(self, stance: Sequence[str] | None) -> tuple[list[int], list[int]]:
-        """Return the numbers of the legs that stand, and of those in the air."""
+    def _legs_by_contact(self, stance: Sequence[str] | None) -> tuple[list[int], list[int]]:
+        """Return the numbers of the standing legs, and of the lifted ones."""
         standing = list(self.robot.standing(stance, 1))
         return standing, [k for k in range(len(self.robot.legs)) if k not in standing]
 

@@ -20,22 +20,22 @@ _DOWN = np.array([0.0, 0.0, -9.81])
 
 @dataclass(frozen=True, eq=False)
 class GaitTorques:
-    """Torques of a walk of m instants of a robot with k legs.
+    """Loads of a walk at m times, of a robot with k legs.
 
     Attributes
     ----------
     t : ndarray, shape (m,)
         Times (s), from 0.
     torques : ndarray, shape (m, 3 k)
-        Of all joints (N m or N).
+        Joint torques (N m or N).
     forces : ndarray, shape (m, k, 3)
-        Of the ground on the feet (N), in the axes of the trunk.
+        Ground forces on the feet (N), in the axes of the trunk.
     contacts : ndarray of bool, shape (m, k)
         Which feet stand.
     rates : ndarray, shape (m, 6 + 3 k)
         Twist of the trunk in its axes, then joint rates.
     peaks, peak_times : ndarray, shape (3 k,)
-        Largest magnitude of the torque of each joint, and when it is (s).
+        Largest magnitude of each joint's torque, and its time (s).
     used_effort : ndarray, shape (3 k,)
         Peaks as parts of the effort limits, NaN without one.
     """
@@ -58,17 +58,17 @@ def gait_torques(
     friction: float = 0.6,
     smallest: str = "forces",
 ) -> GaitTorques:
-    """Compute forces at the feet and torques of all joints over one cycle of a steady walk.
+    """Compute ground forces and joint torques over one cycle of a steady walk.
 
-    The walker walks for one cycle before, from where it is, and is left at the end.  Rates and
-    accelerations are differences of its updates.
+    The walker first walks for one cycle from its present state, and keeps its state at the end.
+    Rates and accelerations are finite differences of its updates.
 
     Parameters
     ----------
     dynamics : WalkingDynamics
-        Of the robot that walks.
+        Dynamics of the walking robot.
     walker : Walker
-        Whose gait stands on three feet or more at any time: two points do not carry all loads.
+        Walker whose gait always stands on three feet or more: two do not carry all loads.
     twist : array_like, shape (3,)
         [w, vx, vy] of the trunk (rad/s, m/s).
     friction, smallest
@@ -81,9 +81,9 @@ def gait_torques(
     Raises
     ------
     MissingSupportError
-        Feet cannot carry the load at some instant; the message has the time.
+        Feet cannot carry the load at some time, which the message names.
     LimitExceededError, BadValueError, WrongSizeError
-        As for :func:`foot_forces`; or robots that differ.
+        As for :func:`foot_forces`; or walker and dynamics have different robots.
 
     References
     ----------
@@ -100,7 +100,9 @@ def gait_torques(
     check_kind("dynamics", dynamics, WalkingDynamics, "a WalkingDynamics")
     check_kind("walker", walker, Walker, "a Walker")
     if walker.robot is not dynamics.robot:
-        raise BadValueError("robot of the walker", walker.robot.name, "that of the dynamics")
+        raise BadValueError(
+            "robot of the walker", walker.robot.name, "the same LeggedRobot as the dynamics"
+        )
     command, count = as_single("twist", twist, (3,)), round(walker.cycle / walker.period)
 
     def update() -> WalkUpdate:
@@ -144,7 +146,7 @@ def step_loads(
     friction: float,
     smallest: str = "forces",
 ) -> tuple[Array, FootForces]:
-    """Compute rates u and the shared load in the middle of three updates, a period (s) apart."""
+    """Compute rates u and ground forces at the middle of three updates, a period (s) apart."""
     u, du = _differences(three, period)
     here, names = three[1], dynamics.robot.leg_names
     down = here.trunk[:3, :3].T
@@ -168,7 +170,7 @@ def _differences(three: Sequence[WalkUpdate], period: float) -> tuple[Array, Arr
     turn = here.trunk[:3, :3].T
     twist = ((back + forth) / (2.0 * period)).reshape(2, 3) @ turn.T
     change = ((forth - back) / period**2).reshape(2, 3) @ turn.T
-    # In axes that turn with the trunk.
+    # The derivative in the axes of the trunk, which turn.
     change[1] -= np.cross(twist[0], twist[1])
     u = np.concatenate((twist.ravel(), (after.q - before.q) / (2.0 * period)))
     du = np.concatenate((change.ravel(), (after.q - 2.0 * here.q + before.q) / period**2))

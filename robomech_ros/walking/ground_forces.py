@@ -1,4 +1,4 @@
-"""The smallest forces of the ground on feet that carry a load, and the wrench that is missing."""
+"""The smallest ground forces on feet that carry a load, and the missing wrench."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ from robomech_ros.walking.stance_mechanism import contact_rows
 SMALLEST = ("forces", "torques")
 UPWARDS = (0.0, 0.0, 1.0)
 _MOST_FRICTION = 1e3
-# Part of the load that the solver leaves open.
+# Residual of the solver, as a part of the load.
 _OPEN = 1e-7
-# Smallest size of what is sought.
+# Least scale of the unknowns.
 _LEAST_SIZE = 1e-6
-# Part of the load that rounding leaves, and by which the solver's cones are narrower.
+# Residual of rounding, as a part of the load; part by which the solver's cones are narrower.
 _BALANCED, _NARROWER = 1e-9, 1e-8
 
 
 @dataclass(frozen=True, eq=False)
 class FootForces:
-    """Forces of the ground on the feet of a robot with k legs, and what the joints exert.
+    """Ground forces on the feet of a robot with k legs, and joint torques.
 
     Attributes
     ----------
     forces : ndarray, shape (k, 3)
         On each foot (N), in the axes of the trunk; 0 for feet in the air.
     torques : ndarray, shape (3 k,)
-        Of all joints (N m or N).
+        Joint torques (N m or N).
     used_friction : ndarray, shape (k,)
         Part of the friction cone that each force uses, up to 1.
     used_effort : ndarray, shape (3 k,)
@@ -53,10 +53,10 @@ class FootForces:
 
 @dataclass(frozen=True, eq=False)
 class _Share:
-    """Forces ``F = L z + F_0`` (3 s,) of s feet: what is as small as can be is the norm of z.
+    """Program for forces ``F = L z + F_0`` (3 s,) of s feet with the least norm of z.
 
-    The feet have to exert the load (6,) by the rows ``G F``, within ``A F <= b`` and the cones:
-    of the rows C (s, 3, 3) of each foot the first is at least as long as the others.
+    The forces carry the load, ``G F = load`` (6,), within ``A F <= b`` and a cone for each foot:
+    the product of F with the first of its rows C (s, 3, 3) bounds those with the two others.
     """
 
     L: Array
@@ -68,7 +68,7 @@ class _Share:
     b: Array
 
     def solve(self) -> Array | None:
-        """Return the forces (3 s,), or None where there are none."""
+        """Return the forces (3 s,), or None if there are none."""
         W = self.G @ self.L
         needed = self.load - self.G @ self.offset
         size = max(1.0, float(np.abs(self.load).max()))
@@ -81,7 +81,7 @@ class _Share:
         return self.L @ z + self.offset if solved else None
 
     def missing(self, length: float) -> Array:
-        """Return the smallest wrench (6,) that has to help, moments over a length (m)."""
+        """Return the smallest missing wrench (6,), with moments divided by a length (m)."""
         scale = np.array([length] * 3 + [1.0] * 3)
         W = np.hstack((np.zeros((6, self.L.shape[1])), np.diag(scale)))
         W[:, : self.L.shape[1]] = self.G @ self.L
@@ -91,15 +91,15 @@ class _Share:
         return np.where(np.abs(help_needed) > 1e-6 * np.abs(help_needed).max(), help_needed, 0.0)
 
     def _holds(self, F: Array) -> bool:
-        """Tell whether forces are inside cones and limits."""
+        """Return whether forces are inside cones and limits."""
         parts = np.einsum("kij,kj->ki", self.C, F.reshape(-1, 3))
         inside = parts[:, 0] >= np.hypot(parts[:, 1], parts[:, 2])
         return bool(inside.all() and (self.b >= self.A @ F).all())
 
     def _program(self, W: Array, needed: Array, size: float, more: int = 0) -> tuple[Array, bool]:
-        """Minimize the norm of z, or of the help in the last columns of W alone.
+        """Minimize the norm of z, or of the last ``more`` unknowns alone, the missing wrench.
 
-        The solver sees all numbers as parts of the size.
+        ``size`` scales all numbers for the solver.
         """
         library = conic_solver()
         m = self.L.shape[1]
@@ -134,7 +134,7 @@ def _squares(m: int, more: int) -> csc_matrix:
 
 
 def _by_columns(dense: Array) -> csc_matrix:
-    """Lay out a matrix for the solver faster than scipy, which looks through it several times."""
+    """Return a sparse matrix for the solver, faster than scipy's own conversion."""
     present = dense.T != 0.0
     starts = np.concatenate(([0], np.cumsum(present.sum(axis=1))))
     return csc_matrix((dense.T[present], np.nonzero(present)[1], starts), shape=dense.shape)
@@ -151,7 +151,7 @@ def foot_forces(
     torques: ArrayLike | None = None,
     smallest: str = "forces",
 ) -> FootForces:
-    r"""Compute the smallest forces of the ground on the feet that carry a load.
+    r"""Compute the smallest ground forces on the feet that carry a load.
 
     .. math::
 
@@ -161,11 +161,11 @@ def foot_forces(
     Parameters
     ----------
     robot : LeggedRobot
-        Of k legs; efforts of joints are limited where ``robot.effort`` is finite.
+        Robot of k legs; finite values of ``robot.effort`` limit the torques.
     q : array_like, shape (3 k,)
         All joints (rad or m).
     wrench : array_like, shape (6,)
-        What acts on the robot besides the ground, such as its weight: moment about the origin of
+        Wrench on the robot besides ground forces, such as its weight: moment about the origin of
         the trunk (N m), then force (N), in its axes.
     stance : sequence of str, optional
         The legs that stand, default all.
@@ -174,11 +174,11 @@ def foot_forces(
     normals : array_like, shape (3,) or (k, 3), optional
         Directions out of the ground at the feet, in the axes of the trunk.
     torques : array_like, shape (3 k,), optional
-        What the joints exert without forces at the feet, for weight and inertia of the legs (N m or
-        N).  Default 0.
+        Joint torques without ground forces, for weight and inertia of the legs (N m or N).  Default
+        0.
     smallest : {"forces", "torques"}, optional
-        The sum of which squares is smallest: of the forces, or of all torques as parts of their
-        limits, so that all joints share the load.
+        The smallest sum of squares: of the forces, or of the torques as parts of their limits, for
+        which all joints share the load.
 
     Returns
     -------
@@ -188,12 +188,12 @@ def foot_forces(
     Raises
     ------
     MissingSupportError
-        The feet cannot carry the load; the error has the wrench that is missing.
+        The feet cannot carry the load; the error has the missing wrench.
     LimitExceededError
-        A leg in the air is too heavy for a joint.
+        A lifted leg is too heavy for a joint.
     BadValueError, WrongSizeError, ConicSolverUnavailableError
-        Not such arguments; a stance leg that is singular, or joints without effort limits, where
-        torques shall be smallest; or the extra ``hands`` is not installed.
+        An argument is wrong; for smallest torques, a standing leg is singular or a joint has no
+        effort limit; or the extra ``hands`` is not installed.
 
     References
     ----------
@@ -229,7 +229,7 @@ def foot_forces(
     exerted = own - np.einsum("kij,ki->kj", J, forces).ravel()
     along = np.einsum("ki,ki->k", forces, upward)
     aside = np.linalg.norm(forces - along[:, None] * upward, axis=1)
-    # A foot with no more force than the solver leaves open uses no friction.
+    # A force within the residual of the solver uses no friction.
     pressed = mu * along > _OPEN * np.abs(load[3:]).max()
     used = np.divide(aside, mu * along, out=np.zeros_like(along), where=pressed)
     return FootForces(forces, exerted, used, np.abs(exerted) / robot.effort)
@@ -289,7 +289,7 @@ def _unit_normals(normals: ArrayLike, k: int) -> Array:
 
 
 def _check_lifted(robot: LeggedRobot, standing: list[int], own: Array) -> None:
-    """Refuse what legs in the air take above their effort limits."""
+    """Refuse lifted legs whose torques exceed their effort limits."""
     for leg in set(range(len(robot.legs))) - set(standing):
         for j in range(3 * leg, 3 * leg + 3):
             if abs(own[j]) > robot.effort[j]:

@@ -15,9 +15,9 @@ feet::
         joints:
           - {name: coxa, axis: [0, 0, 1], point: [0.1, 0.1, 0], lower: -1, upper: 1, velocity: 6}
 
-A joint may have its ``effort`` (N m) and the ``body`` that it moves, and the document the
-``trunk_body``, as robots of Denavit-Hartenberg tables have them, in the axes of the trunk and from
-its origin where all joints are at zero::
+A joint may have an ``effort`` (N m) and the ``body`` that it moves, and the document a
+``trunk_body``, as in Denavit-Hartenberg documents. Bodies are in the frame of the trunk with all
+joints at zero::
 
     trunk_body: {mass: 4.8, com: [0, 0, 0], inertia: {ixx: 0.02, iyy: 0.04, izz: 0.04}}
 

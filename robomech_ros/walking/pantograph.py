@@ -160,9 +160,9 @@ class PantographLeg:
 
     @property
     def gains(self) -> Array:
-        """What the joints of :meth:`chain` move for a unit of each drive, shape (3,).
+        """Ratios of the joint values of :meth:`chain` to the drives, shape (3,).
 
-        Joints are the drives times the gains, forces of the drives those of the joints times them.
+        The forces of the drives are those of the joints times the gains.
         """
         return np.array([1.0, self.ratio, self.ratio - 1.0])
 
@@ -178,13 +178,13 @@ class PantographLeg:
     ) -> SerialChain:
         """Return the chain that moves the foot as the pantograph does, for a ``LeggedRobot``.
 
-        It turns, then slides forward by m h, then down by (m - 1) v: two slides at right angles.
-        The links have no bodies.
+        Its joints turn the leg, slide the foot forward by m h, and slide it down by (m - 1) v.  The
+        links have no bodies.
 
         Parameters
         ----------
         name : str
-            Of the leg; its joints are ``name_turn``, ``name_forward`` and ``name_down``.
+            Name of the leg; its joints are ``name_turn``, ``name_forward`` and ``name_down``.
         lower, upper : array_like, shape (3,)
             Limits of the drives: turn (rad), h and v (m).
         trunk : str, optional
@@ -195,8 +195,8 @@ class PantographLeg:
         Raises
         ------
         BadValueError, WrongSizeError
-            Not such numbers, limits the wrong way round, or with slides so far apart that the links
-            do not reach.
+            A number is wrong, a lower limit is not below its upper one, or the links do not reach
+            all positions of the slides.
         """
         bounds = np.array([as_single("lower", lower, (3,)), as_single("upper", upper, (3,))])
         if not (bounds[0] < bounds[1]).all():
@@ -228,7 +228,7 @@ class PantographLeg:
 
 
 def leg_of_axes(name: str, axes: Sequence[Axis], foot: Array, trunk: str) -> SerialChain:
-    """Make the chain of a leg from its axes and the place of its foot in the trunk, all at zero."""
+    """Make the chain of a leg from its axes and its foot in the trunk, all joints at zero."""
     chain = chain_of_axes(name, axes, assembled(np.eye(3), foot), f"{name}_foot")
     first, second, *others = chain.frames
     frames = (replace(first, name=trunk), replace(second, parent=trunk), *others)

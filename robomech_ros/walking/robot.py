@@ -51,8 +51,8 @@ class LeggedRobot:
     tree : RobotDescription, optional
         The URDF that the legs were taken from.
     trunk_body : Body, optional
-        What is fixed to the trunk, in its frame.  Default that of ``tree``: all but the legs, other
-        joints at home.
+        Body of the trunk with everything fixed to it, in its frame.  Default all links of ``tree``
+        except the legs, other joints at home.
 
     Raises
     ------
@@ -265,7 +265,7 @@ class LeggedRobot:
         return np.array([jacobian(leg, row)[3:] for leg, row in zip(self.legs, rows, strict=True)])
 
     def check_regular(self, q: ArrayLike, J: Array, standing: Sequence[int]) -> None:
-        """Refuse :meth:`foot_jacobians` of legs that stand, by number, and are singular."""
+        """Refuse :meth:`foot_jacobians` if a standing leg, given by number, is singular."""
         values = np.linalg.svd(J[list(standing)], compute_uv=False)
         for k, (largest, _, least) in zip(standing, values, strict=True):
             if least <= _ZERO * largest:

@@ -1,1 +1,1 @@
-"""Chains on a base that floats freely."""
+"""Chains on a free-floating base."""

@@ -31,16 +31,16 @@ _inverse, _forward = direct(floating.floating_inverse), direct(floating.floating
 _mass = direct(floating.floating_mass)
 # Turns x to y, y to z and z to x: three slides, then three turns, along x, y and z.
 _NEXT_AXIS = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-# Part of the greatest singular value below which one is zero.
+# Singular values below this part of the greatest count as zero.
 _ZERO = 1e-9
 
 
 class FloatingChain:
-    r"""A serial chain whose base is a body that nothing holds, as of a robot in space.
+    r"""A serial chain on a free-floating base, such as an arm on a spacecraft.
 
     The rates are ``u = [omega; v; qd]``, shape (6 + n,): the twist of the base at its origin and in
-    its axes, then the joints.  Their derivatives are the accelerations, taken in the same axes.
-    Efforts are ``[n; f; tau]``: the wrench on the base, then the drives.  With the momentum
+    its axes, then the joint rates.  Accelerations are their derivatives in the same axes.
+    Efforts are ``[n; f; tau]``: the wrench on the base, then the drive torques.  With the momentum
     :math:`\mu` about the origin of the base,
 
     .. math::
@@ -51,15 +51,15 @@ class FloatingChain:
     Parameters
     ----------
     chain : SerialChain
-        Of n joints, with the bodies that they move.
+        Chain of n joints with the bodies of its links.
     base : Body, optional
-        What floats with the base link, in its frame.  Default no mass, as of a leg whose trunk is
-        counted elsewhere.
+        Body fixed to the base link, in its frame.  Default no mass, as for a leg whose trunk is
+        modelled elsewhere.
 
     Raises
     ------
     MissingInertiaError, BadValueError
-        Bodies are unknown or impossible, or joints follow others.
+        A body is unknown or impossible, or joints are coupled.
 
     References
     ----------
@@ -133,14 +133,14 @@ class FloatingChain:
         return float(self._totals(q, rates)[10])
 
     def rates(self, q: ArrayLike, qd: ArrayLike, momentum: ArrayLike | None = None) -> Array:
-        """Complete joint rates to u by the twist of the base that keeps the momentum.
+        """Return u for joint rates, with the base twist that conserves the momentum.
 
         Parameters
         ----------
         q, qd : array_like, shape (n,)
-            Joint values and rates (rad or m, and s).
+            Joint values (rad or m) and rates (rad/s or m/s).
         momentum : array_like, shape (6,), optional
-            As of :meth:`momentum`.  Default none.
+            As from :meth:`momentum`.  Default zero.
 
         Returns
         -------
@@ -155,7 +155,7 @@ class FloatingChain:
         return np.concatenate((twist, given))
 
     def generalized_jacobian(self, q: ArrayLike) -> Array:
-        r"""Compute what takes joint rates to the twist of the tip, the momentum being zero.
+        r"""Compute the Jacobian from joint rates to the tip twist at zero momentum.
 
         .. math:: J_g = J_m - J_b H_b^{-1} H_{bm}
 
@@ -167,8 +167,8 @@ class FloatingChain:
         Returns
         -------
         ndarray, shape (6, n)
-            To [omega; v] of the tip over the inertial frame, at its origin, in the axes of the
-            base.
+            From joint rates to [omega; v] of the tip in inertial space, at the tip's origin and in
+            the axes of the base.
         """
         H = self.mass_matrix(q)
         return self.tip_jacobian(q) @ np.vstack(
@@ -191,12 +191,12 @@ class FloatingChain:
         q : array_like, shape (n,)
             Joint values (rad or m).
         still : {"pose", "orientation"}, optional
-            Whether the base neither moves nor turns, or does not turn only.
+            Whether the base must not move at all, or only must not turn.
 
         Returns
         -------
         ndarray, shape (n, k)
-            k is n - 6 or n - 3 in postures that are not singular for it; the momentum is zero.
+            k is n - 6 or n - 3 in regular postures; the momentum is zero.
         """
         H = self.mass_matrix(q)
         rows = H[:6, 6:]
@@ -215,7 +215,7 @@ class FloatingChain:
         gravity: ArrayLike = WEIGHTLESS,
         tip_wrench: ArrayLike | None = None,
     ) -> Array:
-        """Compute the wrench on the base and the torques that a motion of all takes.
+        """Compute the wrench on the base and the drive torques of a motion.
 
         Parameters
         ----------
@@ -226,7 +226,7 @@ class FloatingChain:
         gravity : array_like, shape (3,), optional
             In the axes of the base (m/s^2).  Default none.
         tip_wrench : array_like, shape (6,), optional
-            [n; f] that the surroundings exert on the tip, at its origin, in the axes of the base.
+            Wrench [n; f] on the tip, at its origin, in the axes of the base.
 
         Returns
         -------
@@ -255,7 +255,7 @@ class FloatingChain:
         rates : array_like, shape (6 + n,)
             u.
         efforts : array_like, shape (6 + n,)
-            ``[n; f; tau]``, with a wrench of zero on a base that floats.
+            ``[n; f; tau]``; the wrench on a free base is zero.
         gravity, tip_wrench
             As for :meth:`inverse`.
 
@@ -271,7 +271,7 @@ class FloatingChain:
         return out
 
     def torques(self, q: ArrayLike, rates: ArrayLike, qdd: ArrayLike) -> tuple[Array, Array]:
-        """Compute the torques that joint accelerations take while the base floats.
+        """Compute the torques for joint accelerations while the base floats.
 
         Parameters
         ----------
@@ -294,14 +294,14 @@ class FloatingChain:
         return held[6:] + H[6:, :6] @ base, base
 
     def _values(self, what: str, value: ArrayLike, more: int = 0) -> Array:
-        """Return numbers of all joints, and of the base, finite or not, for the kernels."""
+        """Return joint values after ``more`` values of the base; kernels check for finite ones."""
         array = np.ascontiguousarray(real_array(what, value))
         if array.shape != (more + self.chain.n,):
             raise WrongSizeError(what, array.shape, f"({more + self.chain.n},)")
         return array
 
     def _totals(self, q: ArrayLike, rates: ArrayLike) -> Array:
-        """Mass, first moment (3), momentum about the base's origin (6) and energy, shape (11,)."""
+        """Compute mass, first moment (3), momentum about the base's origin (6), and energy."""
         values, u = self._values("q", q), self._values("rates", rates, 6)
         out, joints = np.empty((1, 11)), np.concatenate((np.zeros(6), values))
         moving = np.concatenate((u[3:6], u[:3], u[6:]))
@@ -310,7 +310,7 @@ class FloatingChain:
         return out[0]
 
     def _solved(self, H: Array, right: Array) -> Array:
-        """Solve with the inertia of all as one body, which a base without mass may lack."""
+        """Solve with the locked inertia, which can be singular for a base without mass."""
         try:
             return np.asarray(np.linalg.solve(H, right))
         except np.linalg.LinAlgError:
@@ -348,7 +348,7 @@ def floating_efforts(
     gravity: ArrayLike,
     tip_wrench: ArrayLike | None = None,
 ) -> Array:
-    """Compute the efforts (6 + k n,) that a motion of chains on one base takes."""
+    """Compute the efforts (6 + k n,) of a motion of chains on one base."""
     out = np.empty(u.shape)
     status = _inverse(models, q, u, du, _surroundings(gravity, tip_wrench), out)
     _check(status, q=q, rates=u, accelerations=du)
@@ -371,7 +371,7 @@ def _check(status: int, **given: Array) -> None:
 
 
 def _surroundings(gravity: ArrayLike, tip_wrench: ArrayLike | None) -> Array:
-    """Lay out what surrounds the chain for the kernels, nothing in most calls."""
+    """Pack gravity and tip wrench for the kernels."""
     if gravity is WEIGHTLESS and tip_wrench is None:
         return _NOTHING
     return surroundings((6,), gravity, tip_wrench)

@@ -1,8 +1,8 @@
-"""Motions of a chain on a free base, which keep its momentum: simulated, or led by the tip.
+"""Motions of a chain on a free base at constant momentum: simulated, or prescribed for the tip.
 
-The momentum is a constant of the motion, so the twist of the base follows from joint values and
-rates, and its position from the mass centre, which moves straight on.  Only the orientation and the
-joints are integrated.
+The momentum determines the twist of the base for given joint values and rates.  The mass centre
+moves uniformly and determines the position of the base.  Only the orientation and the joints are
+integrated.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ from robomech_ros.typing import Array, ArrayLike
 FloatingTorque = Callable[[float, Array, Array], ArrayLike]
 
 _TOLERANCE = 1e-12
-# Rates within which dry friction goes over from one direction to the other (rad/s or m/s).
+# Rate below which dry friction is smoothed (rad/s or m/s).
 _REST_RATE = 1e-2
-# Rate at which the tip returns to its path, in one over the duration.
+# Feedback gain for the tip's pose error, times the duration.
 _RETURN = 50.0
 # Part of the greatest singular value of the generalised Jacobian below which it is singular.
 _SINGULAR = 1e-4
@@ -52,7 +52,7 @@ class FloatingMotion:
     Attributes
     ----------
     t : ndarray, shape (m,)
-        Times (s), as far as the motion came; the start alone where it came to none.
+        Times (s) before the motion ended; the start alone if it ended before all of them.
     poses, tips : ndarray, shape (m, 4, 4)
         Base and tip in the inertial frame (m).
     q : ndarray, shape (m, n)
@@ -63,9 +63,9 @@ class FloatingMotion:
         Angular momentum about the mass centre (kg m^2/s), then linear momentum (kg m/s), in the
         inertial axes.
     kinetic, work : ndarray, shape (m,)
-        Kinetic energy, and what drives less friction have put in (J).
+        Kinetic energy, and work of the drives less friction (J).
     reason : str
-        ``"finished"``, or why the motion ended before.
+        ``"finished"``, or why the motion ended early.
     """
 
     t: Array
@@ -80,7 +80,7 @@ class FloatingMotion:
 
 
 class _Conserved:
-    """Momentum (6,) and mass centre of a chain that floats off from a state."""
+    """Momentum (6,) and uniform motion of the mass centre, from the state at the start."""
 
     def __init__(self, robot: FloatingChain, pose: Array, q: Array, rates: Array) -> None:
         self.robot, R = robot, pose[:3, :3]
@@ -125,12 +125,12 @@ def simulate_floating(
 ) -> FloatingMotion:
     """Integrate the motion of a chain on a free base under the torques of its drives.
 
-    Friction of the drives is counted.  No gravity: everything falls freely.
+    Drive friction is included.  Gravity is not, because everything falls freely.
 
     Parameters
     ----------
     robot : FloatingChain
-        Of n joints.
+        Chain of n joints.
     pose : array_like, shape (4, 4)
         Base in the inertial frame (m) at the start.
     q : array_like, shape (n,)
@@ -138,22 +138,21 @@ def simulate_floating(
     rates : array_like, shape (6 + n,)
         Twist of the base at its origin and in its axes (rad/s, m/s), then joint rates.
     torque : array_like of shape (n,), callable, or None
-        Of the drives (N m or N): constant, ``torque(t, q, rates)``, or none.
+        Drive torques (N m or N): constant, ``torque(t, q, rates)``, or none.
     duration : float
         In s.
     times : array_like, shape (m,), optional
-        When states are recorded (s), increasing from 0 to the duration; default 101 of them.
+        Times of the recorded states (s), increasing, from 0 to the duration; default 101.
 
     Returns
     -------
     FloatingMotion
-        The momentum is kept to rounding; energy is an outcome of the integration, whose relative
-        tolerance is 1e-12.
+        The momentum is constant up to rounding; the relative tolerance of the integration is 1e-12.
 
     Raises
     ------
     BadValueError, WrongSizeError
-        Not such arguments.
+        An argument has a wrong value or shape.
 
     References
     ----------
@@ -182,7 +181,9 @@ def simulate_floating(
         if not np.isfinite(tau).all():
             raise RunAwayError(f"the motion ran away: the torque at {t:.6g} s is not finite")
         found = robot.forward(joints, u, np.concatenate((np.zeros(6), tau)))
-        return np.concatenate((_spun(state[:4], u[:3]), speeds, found[6:], [tau @ speeds]))
+        return np.concatenate(
+            (_quaternion_rate(state[:4], u[:3]), speeds, found[6:], [tau @ speeds])
+        )
 
     t, states, why = _integrated(change, np.concatenate((start, qd, [0.0])), grid)
     return kept.motion(
@@ -200,15 +201,15 @@ def move_floating_tip(
     rates: ArrayLike | None = None,
     times: ArrayLike | None = None,
 ) -> FloatingMotion:
-    """Lead the tip straight to a pose in inertial space, or hold it, while the base reacts.
+    """Move the tip straight to a pose in inertial space, or hold it, while the base reacts.
 
-    The tip goes by the 3-4-5 polynomial of time and turns about one axis.  Joint rates are the
-    smallest that the generalised Jacobian allows.
+    The tip follows the 3-4-5 polynomial and turns about one axis.  Joint rates are the least-norm
+    solution of the generalised Jacobian.
 
     Parameters
     ----------
     robot : FloatingChain
-        Of six joints or more.
+        Chain of six joints or more.
     pose : array_like, shape (4, 4)
         Base in the inertial frame (m) at the start.
     q : array_like, shape (n,)
@@ -218,21 +219,20 @@ def move_floating_tip(
     duration : float
         In s.
     rates : array_like, shape (6 + n,), optional
-        Motion at the start, whose momentum is kept.  Default at rest.
+        Rates at the start, whose momentum is conserved.  Default at rest.
     times : array_like, shape (m,), optional
         As for :func:`simulate_floating`.
 
     Returns
     -------
     FloatingMotion
-        The joint rates lead the tip; ``work`` is what they take of kinetic energy.  The motion ends
-        before where a joint comes to a limit of position or velocity, or the generalised Jacobian
-        becomes singular.
+        ``work`` is the change of kinetic energy.  The motion ends early if a joint reaches a limit
+        of position or velocity, or if the generalised Jacobian becomes singular.
 
     Raises
     ------
     BadValueError, WrongSizeError
-        Not such arguments.
+        An argument has a wrong value or shape.
 
     References
     ----------
@@ -267,7 +267,9 @@ def move_floating_tip(
     def change(t: float, state: Array) -> Array:
         R, joints = _rotation(state[:4]), state[4:]
         speeds, _ = joint_rates(t, R, joints)
-        return np.concatenate((_spun(state[:4], kept.rates(R, joints, speeds)[:3]), speeds))
+        return np.concatenate(
+            (_quaternion_rate(state[:4], kept.rates(R, joints, speeds)[:3]), speeds)
+        )
 
     def check(t: float, state: Array) -> None:
         joints = state[4:]
@@ -303,7 +305,7 @@ def _started(
     duration: float,
     times: ArrayLike | None,
 ) -> tuple[_Conserved, Array, Array, Array]:
-    """Check a start; give what is conserved, quaternion with joints, joint rates, and times."""
+    """Check a start; return conserved momentum, quaternion and joints, joint rates, and times."""
     check_kind("robot", robot, FloatingChain, "a FloatingChain")
     T = as_pose(as_single("pose", pose, (4, 4)))
     joints, u = as_single("q", q, (robot.n,)), np.zeros(6 + robot.n)
@@ -325,17 +327,17 @@ def _integrated(
     grid: Array,
     check: Callable[[float, Array], None] = lambda t, state: None,
 ) -> tuple[Array, Array, str]:
-    """Integrate from 0 s; give the times that were reached, the states there, and the reason.
+    """Integrate from 0 s; return the reached times, the states there, and the reason for the end.
 
-    The check of start and steps, and the derivatives, end the motion by a RunAwayError.  What is
-    wrong with the derivative at the start is raised.
+    A RunAwayError of the check or of the derivative ends the motion.  Other errors of the
+    derivative at the start are raised.
     """
     from scipy.integrate import DOP853
 
     def refusing(t: float, state: Array) -> Array:
         try:
             found = as_finite("derivative", change(t, as_finite("state", state, ())), ())
-            # The squares of larger ones leave the solver no step.
+            # The solver squares derivatives: larger ones would overflow.
             refuse_large("derivative", found)
             return found
         except (BadValueError, NonFiniteError) as error:
@@ -344,7 +346,7 @@ def _integrated(
     times, states, why = [0.0], [start], FINISHED
     steps, inside = iter(range(MOST_STEPS)), None
     try:
-        # What overflows is found in the states.
+        # The checks of the states find overflows.
         with np.errstate(over="ignore", invalid="ignore"):
             check(0.0, start)
             change(0.0, start)
@@ -378,7 +380,7 @@ def _rotation(Q: Array) -> Array:
     return matrix_from_quaternion(Q / np.linalg.norm(Q, axis=-1, keepdims=True))
 
 
-def _spun(Q: Array, w: Array) -> Array:
+def _quaternion_rate(Q: Array, w: Array) -> Array:
     """Return the derivative of a quaternion (4,) for an angular velocity in its own axes."""
     x, y, z, s = (0.5 * Q).tolist()
     return np.array([[s, -z, y], [z, s, -x], [-y, x, s], [-x, -y, -z]]) @ w

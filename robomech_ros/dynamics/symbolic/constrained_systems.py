@@ -30,7 +30,7 @@ _NAMES = {"inertia": "I", "coupling": "C", "shape": "T"}
 
 @dataclass(frozen=True, eq=False)
 class SymbolicBody:
-    """A body of a system, in axes of its own that turn about the vertical.
+    """A body of a system, in its own axes, which turn about the vertical.
 
     Parameters
     ----------
@@ -39,8 +39,8 @@ class SymbolicBody:
     inertia : Matrix, shape (3, 3)
         About the mass centre.
     T, T_dot : Matrix, shape (6, m)
-        Twists [angular velocity; velocity of the mass centre] for units of the rates, and their
-        rates of change seen at rest.
+        Matrix from the rates to the twist [angular velocity; velocity of the mass centre], and its
+        derivative in an inertial frame.
     """
 
     name: str
@@ -81,7 +81,7 @@ class SymbolicSystem:
     @cached_property
     def inertia(self) -> sympy.Matrix:
         """Generalised inertia ``I = T^T M T``, shape (m, m) (kg m^2)."""
-        return self._sum(lambda body: body.T.T * _mass(body, body.T))
+        return self._sum(lambda body: body.T.T * _momenta(body, body.T))
 
     @cached_property
     def coupling(self) -> sympy.Matrix:
@@ -89,11 +89,11 @@ class SymbolicSystem:
         u = sympy.Matrix(self.rates)
 
         def part(body: SymbolicBody) -> sympy.Matrix:
-            momentum, turn = _mass(body, body.T), body.T[:3, :] * u
+            momentum, turn = _momenta(body, body.T), body.T[:3, :] * u
             gyroscopic = sympy.Matrix.hstack(
                 *(turn.cross(momentum[:3, j]) for j in range(momentum.cols))
             )
-            return body.T.T * _mass(body, body.T_dot) + body.T[:3, :].T * gyroscopic
+            return body.T.T * _momenta(body, body.T_dot) + body.T[:3, :].T * gyroscopic
 
         return self._sum(part)
 
@@ -108,13 +108,13 @@ class SymbolicSystem:
         return getattr(self, as_choice("expression", what, tuple(_NAMES)))
 
     def text(self, what: str) -> str:
-        """Print an expression, an entry a line, and the abbreviations that it contains."""
+        """Return an expression as text, one entry a line, with its abbreviations."""
         matrix = self.expression(what)
         lines = [f"{_NAMES[what]}[{i}, {j}] = {entry}" for i, j, entry in _entries(matrix, what)]
         return "\n".join([*lines, *(f"# {s} = {e}" for s, e in self._used(matrix))])
 
     def latex(self, what: str) -> str:
-        """Print an expression and its abbreviations as an ``align*`` environment of LaTeX."""
+        """Return an expression and its abbreviations as a LaTeX ``align*`` environment."""
         matrix = self.expression(what)
         pairs = [(f"{_NAMES[what]}_{{{i}{j}}}", entry) for i, j, entry in _entries(matrix, what)]
         pairs += [(sympy.latex(symbol), meant) for symbol, meant in self._used(matrix)]
@@ -122,13 +122,13 @@ class SymbolicSystem:
         return f"\\begin{{align*}}\n{body}\n\\end{{align*}}"
 
     def compiled(self) -> Callable[[Mapping[str, float]], tuple[Array, Array]]:
-        """Make a function of numbers for all symbols and rates by name.
+        """Compile a function of the values of all symbols and rates.
 
         Returns
         -------
         callable
-            Returns I and C, each of shape (m, m); it raises BadValueError for a missing or an
-            unknown name.
+            From a mapping of names to numbers to I and C, shape (m, m) each; raises BadValueError
+            for a missing or an unknown name.
         """
         arguments = (*self.symbols, *self.masses, *self.rates)
         names = [str(one) for one in arguments]
@@ -153,7 +153,7 @@ class SymbolicSystem:
         return evaluate
 
     def _used(self, matrix: sympy.Matrix) -> list[tuple[sympy.Symbol, sympy.Expr]]:
-        """Return the abbreviations of an expression and of one another, in their order."""
+        """Return the abbreviations of an expression, nested ones too, in order of definition."""
         needed, found = set(matrix.free_symbols), []
         for symbol, meant in reversed(self.definitions.items()):
             if symbol in needed:
@@ -162,13 +162,13 @@ class SymbolicSystem:
         return found[::-1]
 
 
-def _mass(body: SymbolicBody, twists: sympy.Matrix) -> sympy.Matrix:
-    """Return the momenta of twists (6, m)."""
+def _momenta(body: SymbolicBody, twists: sympy.Matrix) -> sympy.Matrix:
+    """Return the momenta of a body for twists (6, m)."""
     return (body.inertia * twists[:3, :]).col_join(body.mass * twists[3:, :])
 
 
 def _collected(expression: sympy.Expr, masses: Sequence[sympy.Symbol]) -> sympy.Expr:
-    """Write an entry as a sum of masses and inertias times what depends on the motion."""
+    """Write an entry as a sum of masses and inertias times factors of the motion."""
     squares = sympy.Wild("x")
     flat = sympy.expand(expression).replace(sympy.sin(squares) ** 2, 1 - sympy.cos(squares) ** 2)
     parts = sympy.collect(sympy.expand(flat), masses, evaluate=False)
@@ -176,7 +176,7 @@ def _collected(expression: sympy.Expr, masses: Sequence[sympy.Symbol]) -> sympy.
 
 
 def _entries(matrix: sympy.Matrix, what: str) -> list[tuple[int, int, sympy.Expr]]:
-    """List entries counted from 1; of the inertia the upper triangle, of T those not zero."""
+    """List entries, from 1: the upper triangle of the inertia, and the nonzero entries of T."""
     return [
         (i + 1, j + 1, matrix[i, j])
         for i in range(matrix.rows)

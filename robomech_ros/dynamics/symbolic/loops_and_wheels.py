@@ -1,4 +1,4 @@
-"""The planar 3-RRR and rolling robots: their bodies, and the dynamics derived from their twists.
+"""Symbolic dynamics of the planar 3-RRR and of rolling robots.
 
 References
 ----------
@@ -23,7 +23,7 @@ def symbolic_planar_3rrr() -> SymbolicSystem:
     Limb i has links of length l_1 and l_2 at the angles theta_i and psi_i from the x axis, and ends
     at the point (x_i, y_i) of the platform, which is at the angle phi.  Mass centres are c_1 and
     c_2 along the links, and at the origin of the platform.  With the twist
-    :math:`t = [\omega, v_x, v_y]` of the platform, limb i asks for
+    :math:`t = [\omega, v_x, v_y]` of the platform, the closure of limb i is
 
     .. math::
 
@@ -90,15 +90,15 @@ def symbolic_two_wheels(casters: int = 1) -> SymbolicSystem:
     Wheels 1 (left) and 2 (right), of radius r, are l apart; the platform's mass centre is at
     (x_C, y_C) from the middle of the axle, x forward.  Caster k has its pivot at (x_k, y_k), the
     trail d_k, the radius r_k, and the angle psi_k of its bracket from x; p_k is the distance of
-    the bracket's mass centre behind the pivot.  Masses and inertias are m_P, I_P of the platform,
-    m_W of a driven wheel, J_W about its axle and H_W about the vertical, the same with k of the
-    wheel of a caster, and m_Bk, I_Bk of its bracket.  Rates of the brackets at rest are s u, those
-    of the casters' wheels w u.
+    the bracket's mass centre behind the pivot.  Masses and inertias are m_P, I_P of the platform;
+    m_W, J_W (about the axle) and H_W (about the vertical) of a driven wheel; m_k, J_k and H_k of
+    the wheel of caster k; m_Bk and I_Bk of its bracket.  Brackets turn at the rates s u in an
+    inertial frame, caster wheels at the rates w u.
 
     Parameters
     ----------
     casters : int, optional
-        0 to 9.
+        Number of casters, 0 to 9.
 
     References
     ----------
@@ -167,7 +167,7 @@ def symbolic_omnidirectional() -> SymbolicSystem:
     Wheel i, of radius r, is at the distance rho from the centre and rolls along the circle;
     positive rates of all turn the robot clockwise.  The mass centre of the platform is at the
     centre.  Masses and inertias are m_P, I_P of the platform, m_W of a wheel, J_W about its axle
-    and H_W about the vertical; rollers have none.
+    and H_W about the vertical; rollers have no mass.
 
     References
     ----------
@@ -204,7 +204,7 @@ def symbolic_omnidirectional() -> SymbolicSystem:
 
 
 class _Definitions:
-    """Abbreviations in their order."""
+    """Abbreviations in order of definition."""
 
     def __init__(self) -> None:
         self.known: dict[sympy.Symbol, sympy.Expr] = {}
@@ -220,13 +220,13 @@ class _Definitions:
         """Name all entries: by their row, their column or both, or by given symbols."""
         rows, columns = matrix.shape
         if symbols is None:
-            places = [
+            indices = [
                 "".join(str(x + 1) for x, n in ((i, rows), (j, columns)) if n > 1)
                 for i in range(rows)
                 for j in range(columns)
             ]
             joint = "" if "_" in name else "_"
-            symbols = [sympy.Symbol(f"{name}{joint}{place}", real=True) for place in places]
+            symbols = [sympy.Symbol(f"{name}{joint}{index}", real=True) for index in indices]
         self.known |= dict(zip(symbols, matrix, strict=True))
         return sympy.Matrix(rows, columns, symbols)
 
@@ -236,7 +236,7 @@ def _real(names: str) -> tuple[sympy.Symbol, ...]:
 
 
 def _rate(matrix: sympy.Matrix, moving: Mapping[sympy.Symbol, sympy.Expr]) -> sympy.Matrix:
-    """Differentiate by time: symbols that move, with their rates."""
+    """Differentiate by time, with the rates of the moving symbols."""
     total = sympy.zeros(*matrix.shape)
     for symbol in matrix.free_symbols & moving.keys():
         total += matrix.diff(symbol) * moving[symbol]

@@ -18,8 +18,8 @@ class ActiveExecution:
     """A delivery that is being executed, by a gateway to the controller and settings of an owner.
 
     It was sent at ``now`` (s) where the robot was at ``positions`` (n,), rad or m, and is executed
-    at a pace above 0 up to 1. ``cancelled`` says why it was cancelled; it is empty if it was not.
-    It ends with the code ``ends_with`` then.
+    at a pace above 0 up to 1. ``cancelled`` is the reason for a cancellation, or empty;
+    ``cancel_code`` is then the code of the result.
     """
 
     def __init__(
@@ -32,7 +32,7 @@ class ActiveExecution:
         now: float,
     ) -> None:
         self.delivery = delivery
-        self.cancelled, self.ends_with = "", Code.PREEMPTED
+        self.cancelled, self.cancel_code = "", Code.PREEMPTED
         self._gateway, self._settings = gateway, settings
         self._reached: tuple[str, float] | None = None
         delivery.depart(now)
@@ -56,7 +56,7 @@ class ActiveExecution:
 
     def cancel(self, text: str, now: float, code: Code = Code.PREEMPTED) -> MotionResult | None:
         """Stop on the path and give up, for a reason; None while the robot stops."""
-        self.cancelled, self.ends_with = text, code
+        self.cancelled, self.cancel_code = text, code
         if self.delivery.transport.answers and not self._pace.stops:
             self._gateway.cancel(self.delivery)
             return None
@@ -86,10 +86,10 @@ class ActiveExecution:
             if self._set_pace_again(now):
                 return None
             self._gateway.cancel(self.delivery)
-        if code and (code != Code.PREEMPTED or self.ends_with == code):
+        if code and (code != Code.PREEMPTED or self.cancel_code == code):
             return MotionResult(code, text)
         if self.cancelled:
-            return MotionResult(self.ends_with, self.cancelled)
+            return MotionResult(self.cancel_code, self.cancelled)
         if not self._pace.stops:
             self._reached = text, now
         return None
@@ -139,7 +139,7 @@ class ActiveExecution:
         if late > self._settings.arrival_timeout and off:
             return MotionResult(Code.GOAL_TOLERANCE, f"it did not stop as commanded: {off}")
         if late >= 0.0 and self.cancelled and stands:
-            return MotionResult(self.ends_with, self.cancelled)
+            return MotionResult(self.cancel_code, self.cancelled)
         return None
 
     def _overdue(self) -> MotionResult | None:

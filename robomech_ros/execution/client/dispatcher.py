@@ -35,8 +35,8 @@ class Dispatcher:
     ``on_end`` is called with every delivery that has ended, ``on_stall`` once with what is missing
     while deliveries wait for it. ``tally`` counts what has happened so far. ``speed`` is the part
     of the planned speed at which deliveries are executed, above 0 up to 1; while ``paused`` nothing
-    is sent and nothing moves. ``obstruction`` says what a delivery would touch, "" for nothing: it
-    is asked before one is sent, and again and again on its way.
+    is sent and nothing moves. ``obstruction`` names what a delivery would touch, "" for
+    nothing; it is called before sending, and repeatedly during the execution.
     """
 
     def __init__(
@@ -152,7 +152,7 @@ class Dispatcher:
         self.speed, self.paused = speed, paused
 
     def _look(self, active: ActiveExecution, now: float) -> MotionResult | None:
-        """Look at what is under way, and stop it if something has come in its way."""
+        """Check the active execution, and stop it if there is an obstruction."""
         verdict = None
         if not active.keeps_pace and (obstruction := self._obstruction(active.delivery)):
             text = f"the robot has stopped on its path: {obstruction}"

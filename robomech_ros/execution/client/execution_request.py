@@ -43,8 +43,8 @@ class ExecutionRequest:
     queued, ``due`` is when its stamp lets it begin (s), None without one. It is ``paced`` if it is
     sent at another pace than planned, by its waypoints instead of ``trajectory``, and
     ``paced_on_way`` if that changed after it had begun. It was sent first at ``begun_at`` (s), None
-    before, and its pace was changed last at ``sent_at``. With ``ignore_collisions`` it may touch
-    anything.
+    before, and its pace was changed last at ``sent_at``. With ``ignore_collisions``
+    no collisions are checked.
     """
 
     trajectory: Any

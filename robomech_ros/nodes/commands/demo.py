@@ -19,9 +19,9 @@ from robomech_ros.robots.robot_kinds import ARM, check_name, kind_of
 EXIT_FAILED = 1
 # As the controller's parameter payload_mass, kg.
 HEAVIEST_PAYLOAD = 1000.0
-# For arms and, but for the obstacles, parallel robots.
-_OF_ARMS = ("dynamic", "payload", "obstacles")
-_OF_NO_PLATFORM = (*REFUSED["parallel robots"], "obstacles")
+# Options of arms; parallel robots refuse the last.
+_ARM_OPTIONS = ("dynamic", "payload", "obstacles")
+_REFUSED_BY_PLATFORMS = (*REFUSED["parallel robots"], "obstacles")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -56,8 +56,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="folder for the plot and the page (demo_output)",
     )
     shown = [f"{one.called}s" for one in KIND_NODES.values() if one.demonstration]
-    others = {kind: (*REFUSED[kind], *_OF_ARMS) for kind in shown}
-    note_kinds(parser, {"parallel robots": _OF_NO_PLATFORM, **others})
+    others = {kind: (*REFUSED[kind], *_ARM_OPTIONS) for kind in shown}
+    note_kinds(parser, {"parallel robots": _REFUSED_BY_PLATFORMS, **others})
 
 
 def _kind(args: argparse.Namespace) -> NodesOfKind | None:
@@ -71,9 +71,9 @@ def _kind(args: argparse.Namespace) -> NodesOfKind | None:
             expected = f"a robot with a demonstration: a {own.called} has none"
             raise BadValueError("--robot", args.robot, expected)
         own.load(args.robot)
-        refuse_of_kind(args, own, _OF_ARMS)
+        refuse_of_kind(args, own, _ARM_OPTIONS)
     elif kind == "parallel":
-        refuse_options(args, _OF_NO_PLATFORM, args.robot, "a parallel robot")
+        refuse_options(args, _REFUSED_BY_PLATFORMS, args.robot, "a parallel robot")
     return own
 
 
@@ -96,7 +96,7 @@ def run(args: argparse.Namespace) -> int:
     if not 0.0 <= args.payload <= HEAVIEST_PAYLOAD:
         raise BadValueError("--payload", args.payload, f"0 to {HEAVIEST_PAYLOAD:g} kg")
     if args.obstacles and args.dynamic:
-        expected = "no --dynamic beside it: friction holds drives back from the path that is proved"
+        expected = "no --dynamic beside it: friction would keep the drives off the proved path"
         raise BadValueError("--obstacles", "with --dynamic", expected)
     _check_folder(args.output)
 

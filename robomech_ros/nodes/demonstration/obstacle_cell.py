@@ -20,12 +20,12 @@ from robomech_ros.robots.urdf.writer import written_urdf
 from robomech_ros.typing import Array
 
 TABLE, WALL, PART = "table", "wall", "part"
-# The part stands on pads of this height (m), so that what stands is not in contact.
+# Height of the pads between table and part (m), which keep them apart.
 PADS = 2e-3
 # Sizes in parts of the reach: the table, the wall on it, and the part.
 _TABLE, _WALL, _PART = (0.5, 1.0, 0.03), (0.45, 0.02, 0.2), (0.07, 0.07, 0.08)
-# Where table tops are tried, in parts of the reach: distance, height, and how far the part stands
-# to either side of the wall; and lengths of the gripper.
+# Candidates in parts of the reach: distance and height of the table top, distance of the part from
+# the wall, and length of the gripper.
 _DISTANCES, _HEIGHTS, _SIDES = (0.55, 0.45, 0.65), (0.0, 0.15, -0.15, 0.3, -0.3), (0.3, 0.22)
 _GRIPPERS = (0.01, 0.06, 0.12, 0.2)
 _PLANNING_SECONDS = 2.0
@@ -50,7 +50,7 @@ class ObstacleCell:
     gripper : float
         From the tip to the part (m).
     touch_links : tuple of str
-        Links that may touch the part: those that no joint moves against the tip.
+        Links that may touch the part: the tip, and the links fixed to it.
     """
 
     standing: dict[str, tuple[Box, Array]]
@@ -69,7 +69,7 @@ class RobotFiles(NamedTuple):
 
 
 def robot_with_bodies(robot: str, srdf: str, folder: Path, clearance: float) -> RobotFiles:
-    """Give a robot without collision elements bodies: its drums and bars.
+    """Give a robot without collision elements drums and bars as bodies.
 
     Parameters
     ----------
@@ -112,26 +112,26 @@ def _overlapping(scene: PlanningScene, clearance: float) -> list[tuple[str, str]
 
 
 def arrange_cell(scene: PlanningScene, home: Array, clearance: float) -> ObstacleCell:
-    """Find a cell in which the direct motion hits the wall, and another one does not.
+    """Find a cell in which the direct motion hits the wall, and another motion does not.
 
     Parameters
     ----------
     scene : PlanningScene
-        Of the robot alone.
+        Scene of the robot alone.
     home : ndarray, shape (n,)
-        Where it starts (rad or m).
+        Posture at the start (rad or m).
     clearance : float
-        What bodies must be farther apart than (m).
+        Least distance between bodies (m).
 
     Raises
     ------
     NoCellError
-        There is none among those that are tried.
+        None of the candidates fits.
     """
     chain = scene.chain
     if not scene.is_free(home, clearance=clearance):
         near = in_words(*reversed(scene.clearance(home)[:2]))
-        raise NoCellError(f"the robot is too near to itself where it starts: {near}")
+        raise NoCellError(f"links of the robot are too close to each other at the start: {near}")
     lower = np.where(np.isfinite(chain.lower), chain.lower, -np.pi)
     upper = np.where(np.isfinite(chain.upper), chain.upper, np.pi)
     random = np.random.default_rng(0).uniform(lower, upper, (_SAMPLES, chain.n))
@@ -146,7 +146,7 @@ def arrange_cell(scene: PlanningScene, home: Array, clearance: float) -> Obstacl
         if _is_worth_showing(cell, scene.copy(), home, clearance):
             return cell
     raise NoCellError(
-        f"'{chain.name}' cannot carry a part around a wall at any of the tables that were tried; "
+        f"'{chain.name}' cannot carry a part around a wall at any of the tried tables; "
         "choose an arm that reaches any pose, such as --robot ur5e"
     )
 
@@ -160,9 +160,9 @@ def add_cell(scene: PlanningScene, cell: ObstacleCell) -> None:
 def _cell(
     reach: float, corner: Array, gripper: tuple[Array, float], touch_links: tuple[str, ...]
 ) -> ObstacleCell:
-    """Make the cell whose part stands on a table (m), and is to go to the other side of y = 0.
+    """Make the cell with the part at a point of the table (m), to be carried across y = 0.
 
-    A gripper is the tip's rotation (4, 4) in which it points down, and its length (m).
+    ``gripper`` is the rotation of the tip (4, 4) with the gripper downwards, and its length (m).
     """
     x, y, top = corner.tolist()
     table, wall, part = (Box(*(reach * np.array(sizes))) for sizes in (_TABLE, _WALL, _PART))
@@ -181,7 +181,7 @@ def _cell(
 def _is_worth_showing(
     cell: ObstacleCell, scene: PlanningScene, home: Array, clearance: float
 ) -> bool:
-    """Whether the part can be carried, but not by the direct motion."""
+    """Return whether the part can be carried, but not by the direct motion."""
     if not all(len(inverse_kinematics(scene.chain, T)) for T in (cell.pick, cell.place)):
         return False
     add_cell(scene, cell)
@@ -209,7 +209,7 @@ def _is_worth_showing(
 def _tools(chain: SerialChain, home: Array) -> list[Array]:
     """Return rotations of the tip (4, 4) in which its gripper points down.
 
-    It points along the last axis, away from the arm if the tip says where that is.
+    The gripper points along the last axis, in either direction.
     """
     T, turning = forward_kinematics(chain, home), jacobian(chain, home)[:3, -1]
     axis = T[:3, :3].T @ turning if turning.any() else np.array([0.0, 0.0, 1.0])
@@ -218,7 +218,7 @@ def _tools(chain: SerialChain, home: Array) -> list[Array]:
 
 
 def _with_tip(description: RobotDescription | None, tip: str) -> tuple[str, ...]:
-    """Name the links that fixed joints connect with the tip from above, the tip first."""
+    """Name the tip, then the links above it that fixed joints connect with it."""
     links = [tip]
     to_parent = {one.child: one for one in description.joints} if description else {}
     while links[-1] in to_parent and not to_parent[links[-1]].moves:

@@ -13,7 +13,7 @@ from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.demonstration.session import plot_recording
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 
-# The nodes that are used, of those that bringup starts.
+# Nodes of bringup that this demonstration starts.
 _NODES = ("joint_trajectory_controller", "trajectory_planner", "move_group")
 
 
@@ -30,7 +30,7 @@ def demonstrate_obstacles(which: Which, output: Path) -> None:
     Raises
     ------
     RobomechError
-        A step or a proof failed, or there is no place for a wall; the text says which and why.
+        A step or a proof failed, or no cell suits the robot; the text has the reason.
     """
     reporter = Reporter()
     files = robot_with_bodies(which.robot, which.srdf, output, CLEARANCE)

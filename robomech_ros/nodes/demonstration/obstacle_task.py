@@ -42,9 +42,9 @@ SERVICES: dict[str, Any] = {
     "plan_kinematic_path": GetMotionPlan,
     "trajectory_planner/plan_joint": PlanJoint,
 }
-# What the planner is told to keep between bodies (m); the part stands on pads that are higher.
+# Least distance that the planner keeps (m); the pads below the part are higher.
 CLEARANCE = 1e-3
-# Tolerances of goals (rad or m), and how near (m, rad) the part must come to its place.
+# Tolerances of goals (rad or m), and of the final pose of the part (m, rad).
 _TOLERANCE, _PLACED = 1e-3, 2e-3
 _PLANNING_SECONDS, _GRACE_SECONDS = 15.0, 15.0
 
@@ -59,14 +59,14 @@ class Leg(NamedTuple):
 
 
 class CarryAround:
-    """Adds the objects, plans, executes, and proves by the states that the robot published.
+    """Adds the objects, plans, executes, and checks the published joint states.
 
     Parameters
     ----------
     client : DemoClient
         Connected to the running nodes.
     scene : PlanningScene
-        Of the robot alone; the objects are added to it as to the node's.
+        Scene of the robot alone, which gets the same objects as the node's scene.
     cell : ObstacleCell
     reporter : Reporter
     """
@@ -83,7 +83,7 @@ class CarryAround:
         self.marks: list[tuple[float, str]] = []
 
     def run(self) -> None:
-        """Do all of it.
+        """Run the task.
 
         Raises
         ------
@@ -108,7 +108,7 @@ class CarryAround:
         self._move("home", self._joint_goal(self._home))
 
     def _add_objects(self) -> None:
-        # Sent again if it is lost: whoever answers knows this client, and nothing else gets lost.
+        # This request is repeated if it is lost; after an answer, discovery is complete.
         bodies = self._client.ask("get_planning_scene", GetPlanningScene.Request()).scene
         names = bodies.allowed_collision_matrix.entry_names
         self._reporter.say(f"move_group checks {len(names)} links: {', '.join(names)}")
@@ -132,7 +132,7 @@ class CarryAround:
             raise DemoFailedError(f"move_group refused to {what}; its log says why")
 
     def _move(self, name: str, goal: Constraints) -> None:
-        """Plan a motion, prove it, execute it, and prove what the robot published meanwhile."""
+        """Plan a motion, prove it, execute it, and check the joint states published meanwhile."""
         self._reporter.heading(name)
         request = MotionPlanRequest(
             goal_constraints=[goal], allowed_planning_time=_PLANNING_SECONDS
@@ -148,14 +148,14 @@ class CarryAround:
         check = self._scene.check_motion(points, clearance=CLEARANCE)
         proof = f"no two bodies come nearer than {CLEARANCE * 1e3:g} mm, between the points too"
         if not check.certified:
-            proof = f"this is not proved at {check.parameter:.3f} s, for {check.bodies}"
-        said = (
+            proof = f"not proved at {check.parameter:.3f} s for {' and '.join(check.bodies)}"
+        remark = (
             f"; the answer adds: {answer.error_code.message}" if answer.error_code.message else ""
         )
         self._reporter.check(
             check.certified,
             f"planned in {answer.planning_time * 1e3:.0f} ms: {points.times[-1]:.2f} s, "
-            f"{len(points.times)} points; certified {check.certified}: {proof}{said}",
+            f"{len(points.times)} points; certified {check.certified}: {proof}{remark}",
         )
         self.marks.append((self._client.now(), name))
         begun = self._client.now()
@@ -211,7 +211,7 @@ class CarryAround:
         )
 
     def _check_part(self) -> None:
-        """Compare where move_group has put the part with where it should stand."""
+        """Compare the pose of the part in move_group with its goal."""
         answer = self._client.ask("get_planning_scene", GetPlanningScene.Request())
         standing = {one.id: one for one in answer.scene.world.collision_objects}
         wanted = self._cell.place @ inverse_pose(self._cell.pick) @ self._cell.standing[PART][1]
@@ -221,7 +221,7 @@ class CarryAround:
         turned, off = np.linalg.norm(error, axis=1).tolist()
         self._reporter.check(
             max(turned, off) < _PLACED,
-            f"'{PART}' stands {off * 1e3:.2f} mm and {turned:.1e} rad from where it should",
+            f"'{PART}' stands {off * 1e3:.2f} mm and {turned:.1e} rad from its goal",
         )
 
     def _pose_goal(self, T: Array) -> Constraints:
@@ -258,14 +258,14 @@ class CarryAround:
             raise DemoFailedError(f"{what} ended with {code.val}: {code.message}")
 
     def _awaited(self, work: Any, seconds: float = _GRACE_SECONDS) -> Any:
-        """Return what work in the spinning thread promises."""
+        """Return the result of the future that work in the spinning thread returns."""
         future = self._spinning(work)
         if not self._client.wait(future.done, seconds):
             raise DemoFailedError(f"execute_trajectory did not answer within {seconds:.0f} s")
         return future.result()
 
     def _spinning(self, work: Any) -> Any:
-        """Do work in the thread that spins: rclpy's action clients are not made for two."""
+        """Do work in the spinning thread: rclpy's action clients are not thread-safe."""
         task = self._client.node.executor.create_task(work)
         self._client.wait(task.done, _GRACE_SECONDS)
         return task.result()

@@ -66,7 +66,7 @@ class Execution:
 
     @property
     def unchecked(self) -> str:
-        """Say what of the robot is not checked; "" if all of it is."""
+        """Unchecked links, with the reasons; "" if all links are checked."""
         return self._scenes.unchecked
 
     async def run(self, trajectory: Any, cancelled: Callable[[], bool]) -> tuple[int, str]:
@@ -123,7 +123,7 @@ class Execution:
         return _CODES.get(code, _CONTROL_FAILED), text
 
     def _watch(self, trajectory: Any) -> MotionWatch | None:
-        """Return what looks for contacts on a trajectory; None if the controller will refuse it."""
+        """Return the collision watch of a trajectory; None if the controller will refuse it."""
         names, model = list(trajectory.joint_names), self._robot.model
         with suppress(RobomechError):
             most = len(trajectory.points), math.inf
@@ -132,7 +132,7 @@ class Execution:
         return None
 
     async def _obstruction(self, watch: MotionWatch | None) -> str:
-        """Say what the rest of a motion would touch in a world that has changed; "" for nothing."""
+        """Name what the rest of a motion would touch in a changed world; "" for nothing."""
         if watch is None or not watch.is_due(self._scenes.world):
             return ""
         positions = self._robot.with_defaults(self._robot.known())

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from robomech_ros.collision import PlanningScene
     from robomech_ros.nodes.move_group.scenes import Scenes
 
-# Other joints than those of a chain, such as fingers, are followed if they move by more (rad or m).
+# Joints outside the chain, such as fingers, are followed if they move by more (rad or m).
 _MOVED = 1e-3
 
 
@@ -41,7 +41,7 @@ class MonitoredScene:
     Attributes
     ----------
     scenes : Scenes or None
-        What has come; None before the first message.
+        Received scenes; None before the first message.
     """
 
     def __init__(
@@ -80,8 +80,8 @@ class MonitoredScene:
     def current(self) -> "PlanningScene | None":
         """Return the scene of the configured chain; None before the first message.
 
-        It is the same object as long as nothing changes. Joints beside the chain are where they
-        were when they last moved noticeably.
+        It is the same object as long as nothing changes. Joints outside the chain are updated only
+        when they move noticeably.
         """
         if self.scenes is None:
             return None
@@ -98,7 +98,7 @@ class MonitoredScene:
         return self._monitor.known_positions(self._model.joint_names)
 
     def add_note(self, scene: "PlanningScene | None", response: Any) -> Any:
-        """Add what a scene does not check of the robot to the text of an answer; return that."""
+        """Append the unchecked links to the text of an answer, and return the answer."""
         if scene is not None and self.scenes is not None:
             texts = response.error_msg, self.scenes.unchecked
             response.error_msg = "; ".join(filter(None, texts))
@@ -113,15 +113,15 @@ class MonitoredScene:
             return
         making, self._waiting = self._waiting is not None, message
         if not making:
-            self._worker.begin(self._made).add_done_callback(self._begin)
+            self._worker.begin(self._new_scenes).add_done_callback(self._begin)
 
-    def _made(self) -> "Scenes":
+    def _new_scenes(self) -> "Scenes":
         from robomech_ros.nodes.move_group.scenes import Scenes
 
         return Scenes(self._model, self._worker, self._padding)
 
     def _begin(self, made: Any) -> None:
-        """Take the first scenes, which took a moment to make, and the latest message for them."""
+        """Store the first scenes, and apply the latest message to them."""
         message, self._waiting = self._waiting, None
         if made.exception() is not None:
             self._log.error(f"the planning scene is not followed: {made.exception()}")

@@ -1,4 +1,4 @@
-"""Checks of a motion before it is executed and on its way, since the world may change."""
+"""Collision checks of a motion before and during its execution, since the world may change."""
 
 import math
 import time
@@ -20,16 +20,16 @@ from robomech_ros.typing import Array
 
 # How often a changing world is looked at, s.
 _PERIOD = 0.1
-# The robot is sought on its path every so often (s), and as far ahead as it can have come since the
-# last look if its time runs this much faster than the machine's, plus a while (s).
-_GRID, _FASTEST, _WHILE = 0.02, 4.0, 0.5
-_MOST_PLACES = 20_000
-# Postures among which the largest depth is sought.
+# The path is sampled at this period (s) to locate the robot on it. The search ahead allows for a
+# clock of the robot that runs this much faster than the machine's, plus a margin (s).
+_GRID, _FASTEST_CLOCK, _MARGIN = 0.02, 4.0, 0.5
+_MOST_SAMPLES = 20_000
+# Number of postures that are searched for the largest depth.
 _DEPTHS = 100
 
 
 class MotionWatch:
-    """Looks for contacts on a motion, and later on what is left of it.
+    """Checks a motion for contacts, and later the rest of it.
 
     Parameters
     ----------
@@ -37,15 +37,14 @@ class MotionWatch:
     known : callable
         Gives the present positions of the joints that are known (rad or m).
     joint_names : sequence of str
-        The joints that move. A motion of joints that are not known is not looked at: the controller
-        refuses it.
+        The moving joints. A motion of unknown joints is not checked: the controller refuses it.
     waypoints : Waypoints
         In the order of the names (rad or m).
 
     Attributes
     ----------
     chain : SerialChain
-        The one of exactly these joints, or the configured one.
+        The chain of exactly these joints, or the configured one.
     """
 
     def __init__(
@@ -60,15 +59,15 @@ class MotionWatch:
         self._motion = _motion(self.chain, known(), list(joint_names), waypoints)
         self._world: Any = None
         self._due = 0.0
-        self._place, self._seen = 0, time.monotonic()
+        self._index, self._located_at = 0, time.monotonic()
         if self._motion is not None:
             begin, end = float(self._motion.breaks[0]), float(self._motion.breaks[-1])
-            count = min(int((end - begin) / _GRID) + 2, _MOST_PLACES)
+            count = min(int((end - begin) / _GRID) + 2, _MOST_SAMPLES)
             self._times: Array = np.linspace(begin, end, count)
             self._postures: Array = self._motion.sample(self._times).position
 
     def is_due(self, world: Any) -> bool:
-        """Whether the motion must be examined, since this world is another than the last one."""
+        """Return whether the motion must be checked, because the world has changed."""
         if self._motion is None:
             return False
         self._follow()
@@ -78,14 +77,14 @@ class MotionWatch:
         return True
 
     def obstruction(self, scene: PlanningScene) -> str:
-        """Say what the rest of the motion would touch in the chain's scene; "" for nothing."""
+        """Name what the rest of the motion would touch in the chain's scene; "" for nothing."""
         assert self._motion is not None
-        if self._place == len(self._times) - 1:
+        if self._index == len(self._times) - 1:
             return ""
-        rest, begun = self._motion.after(float(self._times[self._place])), time.monotonic()
+        rest, begun = self._motion.after(float(self._times[self._index])), time.monotonic()
         found = check_departure(scene, rest)
         now = time.monotonic()
-        # Others are served at least twice as long.
+        # Other callbacks get at least twice this time.
         self._due = now + max(_PERIOD, 2.0 * (now - begun))
         if found.free:
             return ""
@@ -97,17 +96,17 @@ class MotionWatch:
         return f"'{first}' and '{second}' would touch {where}"
 
     def _follow(self) -> None:
-        """Find how far the robot has come."""
+        """Locate the robot on its path."""
         known, names, now = self._known(), self.chain.joint_names, time.monotonic()
         if any(name not in known for name in names):
             return
         step = float(self._times[1] - self._times[0])
-        reach = int((_FASTEST * (now - self._seen) + _WHILE) / max(step, 1e-9)) + 1
-        ahead = self._postures[self._place : self._place + reach]
+        reach = int((_FASTEST_CLOCK * (now - self._located_at) + _MARGIN) / max(step, 1e-9)) + 1
+        ahead = self._postures[self._index : self._index + reach]
         apart = ahead - np.array([known[name] for name in names])
         turns = np.where(self.chain.continuous, np.round(apart / math.tau), 0.0)
-        self._place += int(np.argmin(np.abs(apart - math.tau * turns).max(axis=1)))
-        self._seen = now
+        self._index += int(np.argmin(np.abs(apart - math.tau * turns).max(axis=1)))
+        self._located_at = now
 
 
 def _motion(
@@ -132,17 +131,17 @@ def _motion(
         ]
     if len(times) < 2:
         return None
-    places, *rates = (
+    positions, *rates = (
         None if part is None else _columns(chain, part, names, known if k == 0 else {})
         for k, part in enumerate(rows)
     )
-    assert places is not None
-    return Waypoints(times, places, *rates).curve
+    assert positions is not None
+    return Waypoints(times, positions, *rates).curve
 
 
 def _columns(chain: SerialChain, rows: Array, names: list[str], still: Positions) -> Array:
     """Return the columns (m, n) of a chain's joints; those that are not named stand still."""
-    # Without numbers for the others, there are none for these.
+    # Rows of NaN stay NaN in all columns.
     zeros = 0.0 * rows[:, 0]
     columns = [
         rows[:, names.index(name)] if name in names else zeros + still.get(name, 0.0)

@@ -61,7 +61,7 @@ class Scenes:
         return follower.at(self.world, positions)
 
     def at_once(self, chain: SerialChain, positions: Positions) -> PlanningScene:
-        """Return the same without serving others while it is made."""
+        """Return the same, but block until it is made."""
         return self._follower_made(chain).at(self.world, positions)
 
     def whole(self, positions: Positions) -> PlanningScene:
@@ -90,7 +90,7 @@ class Scenes:
 
     @property
     def unchecked(self) -> str:
-        """Say what of the robot is not checked; "" if all of it is."""
+        """Name the unchecked links, with the reasons; "" if all links are checked."""
         return self.whole({}).unchecked_text
 
     def _configured(self) -> "_Follower":

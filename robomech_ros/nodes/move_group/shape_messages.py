@@ -78,7 +78,7 @@ def _primitive(shape: Any, what: str) -> Any:
 
 
 def _mesh(mesh: Any, what: str) -> Any:
-    # Before its numbers are copied.
+    # Refuse a large mesh before copying it.
     check_triangles(what, len(mesh.triangles))
     vertices = np.array([(point.x, point.y, point.z) for point in mesh.vertices])
     faces = np.array([one.vertex_indices for one in mesh.triangles], dtype=np.int64)

@@ -152,9 +152,9 @@ class World:
             self.objects[name] = one.at(one.pose, self.base_frame)
 
     def keep(self, message: Any, before: "World") -> bool:
-        """Take over an object that an earlier scene has with the same shapes; say if it does.
+        """Reuse an object of an earlier world with the same shapes; return whether there is one.
 
-        Meshes are compared much faster than they are read.
+        Comparing meshes is much faster than reading them.
 
         Parameters
         ----------

@@ -79,15 +79,15 @@ class WholeRobot:
         return {name: value for name, value in values.items() if name in self._middle}
 
     async def start(self, state: Any, needed: Iterable[str], settings: Any) -> dict[str, float]:
-        """Read the start_state of a request, which must be at rest, as every plan starts so.
+        """Read the start_state of a request, which must be at rest.
 
         Parameters
         ----------
         state : RobotState
         needed : iterable of str
-            Joints that the plan cannot do without.
+            Joints that the plan needs.
         settings : MoveGroupSettings
-            How long to wait for the present state, and the speed up to which joints stand.
+            They hold the time-out for the present state, and the tolerance of velocities at rest.
 
         Raises
         ------

@@ -86,16 +86,16 @@ class RunningRobot(JoggedRobot):
         return self._gripper.moves
 
     def follow_world(self, view: WorldLayer) -> None:
-        """Tell this layer of the objects around the robot, from now on."""
+        """Send the planning scene to this layer, now and after each change."""
         self._world = WorldFeed(self._node, self._model, view)
 
     def move_object(self, name: str, pose: Array) -> None:
-        """Have an object around the robot moved to a pose (4, 4) in the base (m)."""
+        """Move an object around the robot to a pose (4, 4) in the base (m)."""
         if self._world is not None:
             self._view.say("world", self._world.move(name, pose))
 
     def close(self) -> None:
-        """End what was begun; the topics go with the node."""
+        """Stop following; the node destroys the topics."""
         super().close()
         if self._world is not None:
             self._world.close()

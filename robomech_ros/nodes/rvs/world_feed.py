@@ -1,4 +1,4 @@
-"""The planning scene of move_group on a page, whose objects are dragged there."""
+"""The planning scene of move_group on a page, where objects can be dragged."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _TOPIC = "collision_object"
 
 
 class WorldFeed:
-    """Follows the planning scene for a page, and publishes the objects that it moves.
+    """Shows the planning scene on a page, and publishes the objects moved there.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class WorldFeed:
         self._publisher = node.create_publisher(CollisionObject, _TOPIC, 10)
 
     def move(self, name: str, pose: Array) -> str:
-        """Publish an object at another pose (4, 4) in the base (m); say if nobody listens."""
+        """Publish a new pose (4, 4) of an object in the base (m); warn without subscribers."""
         from moveit_msgs.msg import CollisionObject
 
         topic = self._publisher.topic_name

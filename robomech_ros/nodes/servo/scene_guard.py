@@ -1,4 +1,4 @@
-"""The planning scene, for a servo that stops before contact."""
+"""The collision guard of the servo, made from the planning scene."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -16,14 +16,14 @@ if TYPE_CHECKING:
 
 
 class SceneGuard:
-    """Follows the planning scene, and gives what guards a servo in it.
+    """Follows the planning scene, and makes the guard of a servo from it.
 
     Parameters
     ----------
     node : Node
     model : RobotModel
     monitor : JointStateMonitor
-        Knows where other joints are, such as those of fingers.
+        Knows the positions of joints outside the chain, such as fingers.
     settings : callable
         Gives the parameters as they are now.
     """
@@ -41,7 +41,7 @@ class SceneGuard:
         self._distances: Any = None
 
     def current(self) -> "ServoGuard | None":
-        """Return the guard of the present scene; None without a scene, or where it is ignored."""
+        """Return the guard of the present scene; None if there is no scene, or it is ignored."""
         settings = self._settings()
         scene = self._scene.current() if settings.check_collisions else None
         if scene is None:

@@ -28,7 +28,7 @@ class DispatchLoop:
     settings : PublisherSettings
         How often it looks, and what the dispatcher needs.
     obstruction : callable
-        Says what an execution request would touch; "" for nothing.
+        Names what an execution request would touch; "" for nothing.
 
     Attributes
     ----------

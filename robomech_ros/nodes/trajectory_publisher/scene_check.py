@@ -1,4 +1,4 @@
-"""Checks of motions against the planning scene, where there is one and the robot is known."""
+"""Collision checks of motions, if there is a planning scene and the robot is known."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
 
 class SceneCheck:
-    """Finds what execution requests would touch.
+    """Checks what execution requests would touch.
 
     Parameters
     ----------
     node : Node
     monitor : JointStateMonitor
-        Where the joints are.
+        Knows the positions of the joints.
     settings : callable
         Gives the parameters as they are now.
     """
@@ -45,7 +45,7 @@ class SceneCheck:
         self._scene = MonitoredScene(self._node, model, self._monitor, self._worker)
 
     def obstruction(self, execution: ExecutionRequest) -> str:
-        """Say what the rest of a motion would touch; "" for nothing, or while nothing changes."""
+        """Name what the rest of a motion would touch; "" for nothing, or while nothing changes."""
         scene, model = self._scene, self._model
         if scene is None or model is None or scene.scenes is None:
             return ""

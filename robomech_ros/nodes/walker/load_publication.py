@@ -1,4 +1,4 @@
-"""Published loads of a walk: forces of the ground on the feet, and torques of all joints."""
+"""Published loads of a walk: ground forces on the feet, and torques of all joints."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class LoadPublication:
     Attributes
     ----------
     refusal : str
-        Why nothing was published last; empty where it was.
+        Why the latest loads were not published; empty if they were.
     """
 
     def __init__(self, node: Node, robot: LeggedRobot, settings: WalkerSettings) -> None:
@@ -61,10 +61,11 @@ class LoadPublication:
         fill_header(forces.header, self._odom, stamp)
         over_ground = share.forces @ three[1].trunk[:3, :3].T
         for foot, force in zip(three[1].feet.tolist(), over_ground.tolist(), strict=True):
-            place, wrench = Transform(), Wrench()
-            place.translation.x, place.translation.y, place.translation.z = foot
+            position, wrench = Transform(), Wrench()
+            shift = position.translation
+            shift.x, shift.y, shift.z = foot
             wrench.force.x, wrench.force.y, wrench.force.z = force
-            forces.transforms.append(place)
+            forces.transforms.append(position)
             forces.wrench.append(wrench)
         self._forces.publish(forces)
         efforts = JointState(name=list(robot.joint_names))

@@ -29,11 +29,11 @@ from robomech_ros.parallel.equations.elimination import (
 )
 from robomech_ros.typing import Array, ArrayLike, ComplexArray
 
-# What the polynomial is at most, over the size of its terms, if the platform can move.
+# Relative size below which the polynomial vanishes, because the platform can move.
 _VANISHING = 1e-13
 # Imaginary part (rad) below which a root may be real.
 _MAYBE_REAL = 1e-3
-# Solutions this near to each other (rad) are one; an estimate leads no further than this.
+# Distance below which solutions are one (rad); largest distance of a solution from its estimate.
 _SAME, _OWN = 1e-6, 1e-2
 
 
@@ -49,7 +49,7 @@ class PlatformRoots:
     roots : ndarray of complex, shape (2 m,)
         The first angle (rad) at each root.
     angles : ndarray of complex, shape (k, n)
-        All angles (rad) of the solutions, refined on the equations, each once.
+        All angles (rad) of the distinct solutions, refined on the equations.
     poses : ndarray of complex, shape (k, 4, 4)
         ``T_base_platform`` (m) of each solution.
     complete : bool
@@ -95,7 +95,7 @@ class PlatformEquations:
     pairs : tuple of tuple of int
         i and j of each equation.
     degree : int
-        Of the polynomial in the tangent of half the first angle.
+        Degree of the polynomial in the tangent of half the first angle.
     placed : callable
         From angles (n,) in rad, real or complex, to the pose (4, 4) in m.
     """
@@ -139,7 +139,7 @@ class PlatformEquations:
     def contours(self) -> CurvePair:
         """Return the contours of :meth:`curves` over a turn of both angles.
 
-        Its methods ``refine`` and ``all`` give crossings, refined by Newton-Gauss: solutions.
+        Its methods ``refine`` and ``all`` return the crossings, which are solutions.
 
         References
         ----------
@@ -167,7 +167,7 @@ class PlatformEquations:
     def resultant(self, first: float) -> float:
         """Return the eliminant at the first angle (rad), a polynomial in its cosine and sine.
 
-        With three angles it is the determinant of the dialytic matrix of `dialytic_matrix`.
+        With three angles it is the determinant of :meth:`dialytic_matrix`.
         """
         first = finite_number("first", first, "rad")
         if len(self.names) == 2:

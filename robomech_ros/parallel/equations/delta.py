@@ -13,8 +13,8 @@ from robomech_ros.spatial.arrays import check_kind
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array, ArrayLike, ComplexArray
 
-# Area between two sides of the triangle of the centres, over their product or a part of the
-# forearm's square, that is rounding.
+# Relative area of the triangle of the centres that counts as rounding; part of the squared forearm
+# that is the least scale.
 _IN_LINE, _PART = 1e-9, 1e-2
 
 
@@ -25,15 +25,14 @@ class DeltaQuadratic:
     Parameters
     ----------
     centres : ndarray, shape (3, 3)
-        Elbows, moved inwards by the platform's radius (m): the forearms' length away from its
-        middle.
+        Centres of the spheres (m): the elbows, moved inwards by the platform's radius.
     point, direction : ndarray, shape (3,)
         The line of points at the same distance from all centres: the one in their plane (m), and
         the unit vector normal to it.
     quadratic : ndarray, shape (3,)
         Coefficients of t^2, t and 1 for positions ``point + t direction`` (1, m, m^2).
     positions : ndarray of complex, shape (2, 3)
-        Both roots (m).
+        Positions at both roots (m).
     """
 
     centres: Array
@@ -52,7 +51,7 @@ class DeltaQuadratic:
 
 
 def delta_quadratic(robot: Delta, q: ArrayLike) -> DeltaQuadratic:
-    """Write down the quadratic equation of a Delta robot, and its roots.
+    """Return the quadratic equation of a Delta robot, and its roots.
 
     Parameters
     ----------

@@ -26,8 +26,8 @@ Numbers = Array | ComplexArray
 _FIVE = np.linspace(0.0, 2.0 * np.pi, 5, endpoint=False)
 # Determinant of two lines over their size below which they count as parallel.
 _PARALLEL = 1e-4
-# Newton's method for complex angles: the step of central differences, steps at most, the step that
-# ends it, and what an equation may leave, as part of its derivative.
+# Newton's method for complex angles: step of central differences, most iterations, last step, and
+# largest residual relative to the derivative.
 _STEP, _STEPS, _LAST, _ACCEPTED = 1e-5, 40, 1e-15, 1e-10
 
 
@@ -55,7 +55,7 @@ def sylvester(table: Array, lines: Callable[[Array, Array], Numbers], angle: flo
     Parameters
     ----------
     table : ndarray, shape (3, 3)
-        Of the equation between the first and the second angle.
+        Coefficients of the equation between the first and the second angle.
     lines : callable
         From the first and the second angle (rad) to the resultant of the equations in the third.
     angle : float

@@ -17,7 +17,7 @@ from robomech_ros.parallel.stewart_gough import StewartGough
 from robomech_ros.spatial import cross_product_matrix, matrix_from_rotation_vector
 from robomech_ros.typing import Array, ArrayLike
 
-# Part of the size by which points that are one differ at most.
+# Relative distance up to which points coincide.
 _SAME = 1e-9
 _KINDS = ("StewartGough", "Planar3RPR", "Planar3RRR", "Spherical3RRR")
 _VERTICES = ((0, 1), (0, 2), (1, 2))
@@ -26,15 +26,16 @@ Robot = StewartGough | Planar3RPR | Planar3RRR | Spherical3RRR
 
 
 def platform_equations(robot: Robot, drives: ArrayLike) -> PlatformEquations:
-    r"""Write down the closure equations of a platform for values of its drives.
+    r"""Return the closure equations of a platform for values of its drives.
 
-    Their angles, and the degree of their polynomial, are:
+    The angles, and the degree of the polynomial, are:
 
-    - ``StewartGough``, degree 16: of each vertex of the platform about the line of its two base
-      points, from the plane through that line and the middle of the base.
-    - ``Planar3RPR`` and ``Planar3RRR``, degree 6: of the platform, and of leg or distal link 1.
-    - ``Spherical3RRR``, degree 8: of distal link 1 about its middle axis, and of the platform about
-      its axis 1.
+    - ``StewartGough``, degree 16: angle of each vertex of the platform about the line of its two
+      base points, from the plane through that line and the middle of the base.
+    - ``Planar3RPR`` and ``Planar3RRR``, degree 6: angles of the platform and of leg or distal
+      link 1.
+    - ``Spherical3RRR``, degree 8: angles of distal link 1 about its middle axis, and of the
+      platform about its axis 1.
 
     Parameters
     ----------
@@ -46,7 +47,7 @@ def platform_equations(robot: Robot, drives: ArrayLike) -> PlatformEquations:
     Raises
     ------
     BadValueError
-        Another robot, or two legs that are too short or too long to meet.
+        The robot is of another kind, or two legs are too short or too long to meet.
 
     References
     ----------
@@ -62,19 +63,19 @@ def platform_equations(robot: Robot, drives: ArrayLike) -> PlatformEquations:
     ((7,), (6, 2), 6)
     """
     if isinstance(robot, StewartGough):
-        return _of_vertices(robot, actuated("lengths", drives, 6))
+        return _vertex_equations(robot, actuated("lengths", drives, 6))
     if isinstance(robot, Planar3RPR):
-        return _of_a_triangle(robot, robot.base_points, actuated("lengths", drives, 3))
+        return _triangle_equations(robot, robot.base_points, actuated("lengths", drives, 3))
     if isinstance(robot, Planar3RRR):
         q = actuated("q", drives, 3)
         arms = robot.proximal[:, None] * np.stack((np.cos(q), np.sin(q)), axis=1)
-        return _of_a_triangle(robot, robot.base_points + arms, robot.distal)
+        return _triangle_equations(robot, robot.base_points + arms, robot.distal)
     if isinstance(robot, Spherical3RRR):
-        return _of_axes(robot, actuated("q", drives, 3))
+        return _axis_equations(robot, actuated("q", drives, 3))
     raise BadValueError("robot", type(robot).__name__, f"one of {', '.join(_KINDS)}")
 
 
-def _of_vertices(robot: StewartGough, lengths: Array) -> PlatformEquations:
+def _vertex_equations(robot: StewartGough, lengths: Array) -> PlatformEquations:
     """Equate the distances of three points on circles with those of the platform's vertices."""
     legs = _pairs_of_legs(robot)
     vertices = robot.platform_points[[pair[0] for pair in legs]]
@@ -117,7 +118,7 @@ def _of_vertices(robot: StewartGough, lengths: Array) -> PlatformEquations:
     )
 
 
-def _of_a_triangle(
+def _triangle_equations(
     robot: Planar3RPR | Planar3RRR, anchors: Array, distances: Array
 ) -> PlatformEquations:
     """Equate the distances of corners 2 and 3 from their anchors with those given."""
@@ -146,7 +147,7 @@ def _of_a_triangle(
     return PlatformEquations(robot.family, ("phi", "psi_1"), tables, ((0, 1), (0, 1)), 6, placed)
 
 
-def _of_axes(robot: Spherical3RRR, q: Array) -> PlatformEquations:
+def _axis_equations(robot: Spherical3RRR, q: Array) -> PlatformEquations:
     """Equate the cosines of the angles between axes 2 and 3 of both ends with those given."""
     turns = matrix_from_rotation_vector(q[:, None] * robot.base_axes)
     w = np.einsum("kij,kj->ki", turns, robot.middle_axes)

@@ -44,7 +44,7 @@ def fit_view(place: LayerContext, client: Any) -> None:
 
 
 def all_points(place: LayerContext) -> Array:
-    """Return points (k, 3) (m) in the root around all that is shown."""
+    """Return points (k, 3) around everything shown, in the root (m)."""
     extents = [extent() for extent in place.extents.values()]
     return np.vstack([shown_points(place), *extents])
 

@@ -64,7 +64,7 @@ class MotionLayer(Layer):
         links = place.chain.links if place.jogged else (end,)
         self.traced = {link: link == end for link in links}
         self.status, self.warns = "No plan yet: press Start here, move it, Goal here.", False
-        # What is said of contacts of the plan, and for which plan in which world.
+        # Verdict on contacts of the plan, and the plan and world that it is for.
         self.verdict: MotionVerdict | None = None
         self._judged: object = None
         self._ends: dict[str, Any] = {}
@@ -251,7 +251,7 @@ class MotionLayer(Layer):
         return PATH_KINDS if world is None else (*PATH_KINDS, *world.ways)
 
     def _judge(self, motion: Motion | None) -> None:
-        """Find out whether a plan is free of contact, again when the world has changed."""
+        """Check whether a plan is free of contact, again after each change of the world."""
         world = self._place.moved.world
         wanted = None if motion is None or world is None else (motion, world, world.version)
         if wanted == self._judged:

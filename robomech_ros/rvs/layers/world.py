@@ -33,15 +33,15 @@ SIZE = 0.7 * GIZMO
 
 
 class WorldLayer(Layer):
-    """The objects of a planning scene; each posture of the arm is compared with them.
+    """The objects of a planning scene, and the distance of the arm from them.
 
     Parameters
     ----------
     place : LayerContext
     scene : PlanningScene, optional
-        The objects at first.
+        Initial scene.
     robot : LiveRobot, optional
-        The robot that runs, which tells of its scene and moves what is dragged.
+        The running robot, which sends its scene and moves dragged objects.
     """
 
     label, order, expanded = "World", 3.8, True
@@ -54,12 +54,12 @@ class WorldLayer(Layer):
     ) -> None:
         super().__init__(place)
         self._robot = robot
-        # Made with the first scene, as is all that needs the library of collisions.
+        # Made with the first scene: before, the collision library is not loaded.
         self._nodes: tuple[ObjectNodes, DistanceNodes] | None = None
         self._on = dict.fromkeys(LABELS, True)
         self._switches = Switches(place, LABELS, self._on)
-        # Where a running robot is; what was drawn last, and for which version of the world postures
-        # were listed; the object with the gizmo, and whether it is held.
+        # Posture of a running robot; what was drawn last; the version of the world for which
+        # postures were listed; the object with the gizmo, and whether it is held.
         self._q: Array | None = None
         self._shown: object = None
         self._listed = -1
@@ -79,7 +79,7 @@ class WorldLayer(Layer):
         if robot is not None:
             robot.follow_world(self)
 
-    # Of the page, on its thread.
+    # Called by the page, on its thread.
 
     def show(self) -> None:
         """Follow the arm, or the running robot, and the objects."""
@@ -103,7 +103,7 @@ class WorldLayer(Layer):
         self._show_gizmo(world, objects)
 
     def controls(self, client: Any) -> Controls:
-        """Give the browser that commands the folder, and a gizmo for the object that it chooses."""
+        """Return the folder, and the gizmo of the chosen object, for the commanding browser."""
         self._dragged, self._held, self._shown = NOTHING, False, None
         self._client, size = client, SIZE * self._place.seen.reach
         self._gizmo = gizmo = client.scene.add_transform_controls(
@@ -116,7 +116,7 @@ class WorldLayer(Layer):
                 self._held = True
             elif event.phase == "end":
                 self._held = False
-                # Leaves the notice of a refused drag, as a request would not.
+                # Unlike a request, this keeps the notice of a refused drag.
                 self._place.run((self, "release"), self.show)
             elif self._held:
                 wxyz, position = np.roll(gizmo.wxyz, -1), gizmo.position.copy()
@@ -131,7 +131,7 @@ class WorldLayer(Layer):
         for name in LABELS:
             self._switches.add_to(folder, name)
 
-    # What the controls ask for, on the thread of the page.
+    # Called by the controls, on the thread of the page.
 
     def _choose(self, name: Any) -> None:
         self._dragged = as_choice("object", name, self._choices())
@@ -146,11 +146,11 @@ class WorldLayer(Layer):
         if self._robot is not None:
             self._robot.move_object(self._dragged, pose)
 
-    # Of browsers and the running robot, on any thread.
+    # Called by browsers and the running robot, on any thread.
 
     def _clicked(self, client: Any, name: str) -> None:
         def choose() -> None:
-            # Only who commands has a gizmo.
+            # Only the commanding browser has a gizmo.
             if self.is_open and client.client_id == self._client.client_id:
                 self._choose(name)
                 self._choice.value = name
@@ -158,13 +158,11 @@ class WorldLayer(Layer):
         self.ask("choose", choose)
 
     def show_scene(self, scene: PlanningScene) -> None:
-        """Show another scene of the same arm, which is the page's from now on."""
+        """Show another scene of the same arm; the page owns it from now on."""
         self.ask("scene", self._take, scene)
 
     def _follow(self, positions: Mapping[str, float]) -> None:
         self._place.run((self, "follow"), partial(self._follow_robot, dict(positions)))
-
-    # What happens inside.
 
     def _take(self, scene: PlanningScene) -> None:
         arm, place = self._place.arm, self._place
@@ -182,7 +180,7 @@ class WorldLayer(Layer):
             held = self._dragged
             mine = self.is_open and self._held and held in arm.world.movable
             if mine and held in scene.objects:
-                # What comes now was sent before the object was here.
+                # The scene is older than the drag: keep the dragged pose.
                 scene.move(held, arm.world.objects[held].pose)
             arm.world.replace(scene)
         if self._robot is None:
@@ -196,7 +194,7 @@ class WorldLayer(Layer):
         before = world.version
         world.place_others(positions)
         if world.version == before != self._listed:
-            # Joints beside the arm have come to rest: what is said of its postures is old.
+            # Joints outside the arm have moved: the contacts of the postures are outdated.
             self.ask("others", lambda: None)
         with self._place.server.atomic():
             self._draw(world)

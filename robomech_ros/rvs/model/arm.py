@@ -60,7 +60,7 @@ class ArmView(DraggableRobot):
 
     @property
     def posture_contacts(self) -> tuple[str, ...]:
-        """Which bodies touch in each posture of the study, in words; empty for none."""
+        """Texts that name the bodies in contact in each posture of the study; empty for none."""
         if self.world is None:
             return super().posture_contacts
         self.world.place_others(self.others)

@@ -120,7 +120,7 @@ class DraggableRobot(ABC):
 
     @property
     def posture_contacts(self) -> tuple[str, ...]:
-        """Which bodies touch in each posture of the study, in words; empty for none."""
+        """Texts that name the bodies in contact in each posture of the study; empty for none."""
         return ("",) * len(self.study.postures)
 
     @property

@@ -91,7 +91,7 @@ class LiveRobot(Protocol):
         """Open or close the gripper to a value of :attr:`gripper`."""
 
     def follow_world(self, view: Any) -> None:
-        """Tell this layer of the objects around the robot, from now on."""
+        """Send the planning scene to this layer, now and after each change."""
 
     def move_object(self, name: str, pose: Array) -> None:
         """Move an object around the robot to a pose (4, 4) in the base (m)."""

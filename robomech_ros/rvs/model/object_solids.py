@@ -12,8 +12,8 @@ from robomech_ros.collision.shapes import Body, Shape
 from robomech_ros.rvs.model.solids import Solid, box, capsule, cone, cylinder, sphere
 from robomech_ros.typing import Array
 
-# Thickness of the slab that stands for a plane, and how far it is below it, in parts of its side:
-# the ground of the page may be there, too.
+# Thickness of the slab for a plane, and its depth below the plane, in parts of its side: the slab
+# must not coincide with the ground of the page.
 SLAB, BELOW = 1e-3, 1e-3
 
 
@@ -71,7 +71,7 @@ def _solid(shape: Shape, body: Body, side: float) -> Solid:
         case Capsule():
             return capsule(shape.radius, shape.height)
         case Cone():
-            # From a tip at the origin to one above it.
+            # The cone has its tip at the origin: turn it upright about its middle.
             upright = cone(shape.radius, shape.height)
             half = [0.0, 0.0, 0.5 * shape.height]
             return Solid(upright.vertices * [1.0, -1.0, -1.0] + half, upright.faces)

@@ -52,7 +52,7 @@ def sphere(radius: float) -> Solid:
 
 
 def capsule(radius: float, length: float) -> Solid:
-    """Make all points within a radius of a line along z, of this length, about the origin (m)."""
+    """Make a capsule along z about the origin: a cylinder of this length with round ends (m)."""
     half = RINGS // 2
     angles = np.pi * np.append(np.arange(1, half + 1), np.arange(half, RINGS)) / RINGS
     ends = 0.5 * length * np.append(-np.ones(half), np.ones(half))

@@ -1,4 +1,4 @@
-"""The world around an arm: its objects, what is nearest to contact, and plans around obstacles."""
+"""The world around an arm: objects, the nearest pair of bodies, and plans around obstacles."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ from robomech_ros.rvs.motion import Motion
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.typing import Array
 
-# Ways around obstacles: to the posture of the goal, or to whichever takes its pose first.
+# Plans around obstacles: to the goal posture, or to the first posture found for its pose.
 AROUND, AROUND_TO_POSE = "around obstacles", "around, any posture"
 AROUND_KINDS = (AROUND, AROUND_TO_POSE)
-# A joint beside the arm that moves by less (rad or m) is taken to stand.
+# Smaller motions of joints outside the arm are ignored (rad or m).
 STILL = 1e-4
 # Postures whose clearance is remembered until the world changes.
 MOST_KNOWN = 256
 
 
 class WorldView:
-    """A planning scene as a page shows it; not for several threads at a time.
+    """A planning scene as a page shows it; not thread-safe.
 
     Parameters
     ----------
     scene : PlanningScene
-        Changed from here alone.
+        Only this object changes it.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class WorldView:
         return tuple(name for name, one in self.objects.items() if not one.link)
 
     def replace(self, scene: PlanningScene) -> None:
-        """Show another scene of the same arm, its joints beside the arm as they are known."""
+        """Show another scene of the same arm, with joints outside the arm at known positions."""
         scene.set_other_joints(self._others)
         self.scene = scene
         self._change()
@@ -82,7 +82,7 @@ class WorldView:
         self._change()
 
     def place_others(self, positions: Mapping[str, float]) -> None:
-        """Say where joints are (rad or m, by name); those of the arm itself are left out."""
+        """Set the positions of joints outside the arm (rad or m, by name); others are ignored."""
         own = self.scene.chain.joint_names
         moved = {
             name: value
@@ -95,10 +95,10 @@ class WorldView:
             self._change()
 
     def nearest(self, q: Array) -> Clearance | None:
-        """Return the pair of bodies that a person looks for; None if nothing can touch.
+        """Return the nearest pair of bodies; None if nothing can touch.
 
-        It is the nearest pair with an object that stands, since some links of an arm are always
-        near each other.  If anything touches, it is the deepest pair of all.
+        Pairs of links are left out, since some links of an arm are always near each other.  If
+        anything touches, it is the deepest pair of all.
 
         Parameters
         ----------
@@ -114,7 +114,7 @@ class WorldView:
         return found if np.isfinite(found.distance) else None
 
     def nearest_text(self, q: Array) -> str:
-        """Say which bodies are nearest to contact at a posture (n,) (rad or m), and how near."""
+        """Name the nearest bodies at a posture (n,) (rad or m), with their distance."""
         found = self.nearest(q)
         return "nothing can touch" if found is None else in_words(found.bodies, found.distance)
 
@@ -124,15 +124,15 @@ class WorldView:
         return found.bodies if found is not None and found.distance <= 0.0 else ()
 
     def contact(self, q: Array) -> str:
-        """Say which bodies touch at a posture (n,) (rad or m), and how deep; empty for none."""
+        """Name the bodies in contact at a posture (n,) (rad or m), and the depth; "" for none."""
         return self.nearest_text(q) if self.touching(q) else ""
 
     def judge(self) -> Callable[[Motion], MotionVerdict]:
-        """Return a judge of motions in the present world, for one other thread."""
+        """Return `judge_motion` in the present world, for another thread."""
         return partial(judge_motion, self.scene.copy())
 
     def planner(self) -> Callable[[Array, Array, str, str], MadePlan]:
-        """Return `plan_around` in the present world, for one other thread."""
+        """Return `plan_around` in the present world, for another thread."""
         return partial(plan_around, self.scene.copy())
 
     def _found(self, q: Array) -> Clearance:
@@ -167,7 +167,7 @@ class MotionVerdict(NamedTuple):
 
 
 def judge_motion(scene: PlanningScene, motion: Motion) -> MotionVerdict:
-    """Prove that a motion is free of contact, or say what is in its way."""
+    """Prove that a motion is free of contact, or name the bodies in contact."""
     if not scene.has_geometry:
         return MotionVerdict(f"{_capital(scene.unchecked_text)}.", True)
     found = scene.check_motion(motion)
@@ -225,9 +225,9 @@ def scene_for(chain: SerialChain, scene: PlanningScene, objects: PlanningScene) 
     ----------
     chain : SerialChain
     scene : PlanningScene
-        Where it is of this chain, its pairs of links are ignored here, too.
+        If it is of this chain, its ignored pairs of links are kept.
     objects : PlanningScene
-        Has the objects; what an unknown link carries is left out.
+        The scene with the objects; those on unknown links are left out.
     """
     made = scene.copy() if scene.chain is chain else PlanningScene(chain)
     for name in made.objects:

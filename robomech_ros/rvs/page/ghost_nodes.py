@@ -16,7 +16,7 @@ from robomech_ros.typing import Array
 OPACITY = 0.45
 # Numbers nearer to each other than this part of the reach are written as one.
 TOGETHER = 0.05
-# Behind the number of a posture that is struck out.
+# Mark after the number of a struck-out posture.
 CROSS = "\N{MULTIPLICATION SIGN}"
 
 
@@ -42,7 +42,7 @@ class Ghost(NamedTuple):
 
     @property
     def text(self) -> str:
-        """Its number, as it is written beside it."""
+        """Its number, with a cross if it is struck out."""
         return f"{self.number + 1}{CROSS if self.struck else ''}"
 
 

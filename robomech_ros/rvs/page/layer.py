@@ -120,8 +120,8 @@ class LayerContext:
         Where layers put callables that give points (k, 3) (m) in the root, which are to be in the
         picture.
     followers : list
-        Where layers put callables that get the joints of a running robot by name (rad or m), on
-        any thread.
+        Callables of layers that receive the joint positions of a running robot by name (rad or
+        m), on any thread.
     """
 
     server: Any

@@ -14,7 +14,7 @@ from robomech_ros.rvs.page.mesh_nodes import add_batch, add_mesh
 from robomech_ros.rvs.page.robot_nodes import MARKED, placed
 from robomech_ros.typing import Array
 
-# Objects of the world, and those that links carry; planes are seen through.
+# Colours of standing objects and of those that links carry; opacity of planes.
 STANDING, CARRIED = (166, 148, 116), (128, 116, 176)
 PLANE_ALPHA = 0.35
 # Side of the square that stands for a plane, in reaches of the robot.
@@ -25,7 +25,7 @@ WIDTH, END = 0.008, 0.012
 
 
 class _DrawnObject(NamedTuple):
-    """An object as it was drawn: its shapes, frame, bodies, and where and in which colour."""
+    """A drawn object: its shapes, its nodes, and whether it is marked."""
 
     one: SceneObject
     parts: tuple[ObjectPart, ...]
@@ -45,7 +45,7 @@ class ObjectNodes:
     path_of : callable
         Gives the name of the node of a link.
     reach : float
-        Of the robot (m).
+        Reach of the robot (m).
     clicked : callable
         Called with the browser (viser.ClientHandle) and the name of an object that it clicks on.
     """
@@ -65,7 +65,7 @@ class ObjectNodes:
         self._count = 0
 
     def show(self, objects: Mapping[str, SceneObject], marked: Collection[str]) -> None:
-        """Draw these objects and no others, red those that are marked."""
+        """Draw exactly these objects, the marked ones in red."""
         for name in [name for name in self._drawn if name not in objects]:
             self._drawn.pop(name).frame.remove()
         for name, one in objects.items():
@@ -77,7 +77,7 @@ class ObjectNodes:
         return middle_of(parts_of(one, self._side) if drawn is None else drawn.parts)
 
     def corners(self) -> Mapping[str, Array]:
-        """Return the vertices of all that has an end, shape (k, 3), in the link or "", the base."""
+        """Return the vertices (k, 3) of all finite shapes (m) by link; "" is the base."""
         found: dict[str, list[Array]] = {}
         for drawn in self._drawn.values():
             for part in drawn.parts:
@@ -115,7 +115,7 @@ class ObjectNodes:
             alpha = PLANE_ALPHA if part.endless else 1.0
             colour, name = _colour(one, marked), f"{path}/part_{number}"
             bodies.append(add_mesh(self._scene, name, part.solid, colour, alpha, **look))
-            # A plane is under the mouse nearly everywhere.
+            # Planes do not listen: they are under the mouse nearly everywhere.
             if not one.link and not part.endless:
                 self._listen(bodies[-1], one.name)
         return _DrawnObject(one, parts, frame, bodies, marked)
@@ -147,7 +147,7 @@ class DistanceNodes:
     base : str
         Node at the base of the arm.
     reach : float
-        Of the robot (m).
+        Reach of the robot (m).
     """
 
     def __init__(self, scene: Any, base: str, reach: float) -> None:
@@ -162,7 +162,7 @@ class DistanceNodes:
         )
 
     def show(self, found: Clearance | None) -> None:
-        """Draw the line of a clearance, red in contact, or none."""
+        """Draw the line of a clearance, in red if in contact; hide it for None."""
         for node in (self._line, self._ends, self._label):
             if node.visible != (found is not None):
                 node.visible = found is not None

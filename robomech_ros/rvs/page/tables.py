@@ -27,7 +27,7 @@ _CLICK = (
     f"{script_that_fills(TAKE)}"
 )
 _CELL = "padding:0.12em 0.4em;text-align:right"
-# Below the name of a posture that is struck out.
+# Text below the name of a struck-out posture.
 _CONTACT = '<div data-contact style="color:#c92a2a;font-size:0.9em">{}</div>'
 # From here on a condition number says no more than that the arm is singular.
 SINGULAR = 1e6
@@ -49,7 +49,7 @@ def summary(arm: DraggableRobot) -> str:
     lines.append(f"<div{style} data-sentence>{html.escape(study.sentence)}</div>")
     touching = sum(map(bool, arm.posture_contacts))
     if touching:
-        lines.append(f"<div>In contact, and struck out: {touching} of them.</div>")
+        lines.append(f"<div>{touching} of them are in contact and struck out.</div>")
     if study.nearest is not None:
         lines.append(
             f"<div>The nearest posture, in grey, misses it by {study.position_error:.4g} m and "
@@ -77,14 +77,14 @@ def posture_table(
     joint_units: Sequence[str],
     units: Units,
 ) -> str:
-    """Write the table of the postures, whose rows take one by a click, as HTML.
+    """Return the table of the postures as HTML; a click on a row takes its posture.
 
     Parameters
     ----------
     postures : sequence of Posture
     colours : sequence of tuple of int
     contacts : sequence of str
-        What touches in each posture; it is struck out then.  Empty for nothing.
+        The contact in each posture, which is then struck out; empty for none.
     joint_units : sequence of str
     units : Units
     """

@@ -23,10 +23,10 @@ class PrincipalInertia(NamedTuple):
     Attributes
     ----------
     moments : ndarray, shape (..., 3)
-        By increasing size (kg m^2).
+        In increasing order (kg m^2).
     axes : ndarray, shape (..., 3, 3)
-        The rotation whose columns are the axes of the moments; unit vectors of equal moments are
-        any in their plane or space.
+        The rotation with the principal axes as columns; those of equal moments are arbitrary in
+        their plane or space.
     """
 
     moments: Array
@@ -44,7 +44,7 @@ def principal_inertia(inertia: ArrayLike) -> PrincipalInertia:
     Returns
     -------
     PrincipalInertia
-        The axes are in those of the inertia.
+        The axes are expressed in the axes of ``inertia``.
 
     References
     ----------
@@ -79,7 +79,7 @@ def radii_of_gyration(mass: ArrayLike, inertia: ArrayLike) -> Array:
     Returns
     -------
     ndarray, shape (..., 3)
-        By increasing size (m), in the order of the principal axes.
+        In the increasing order of the principal moments (m).
 
     References
     ----------

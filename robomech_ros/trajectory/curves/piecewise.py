@@ -87,7 +87,7 @@ class PiecewisePolynomial:
         return PiecewisePolynomial(self.breaks[first : last + 1], kept)
 
     def after(self, t: float) -> PiecewisePolynomial:
-        """Return the rest of the curve from an instant (s) before its end."""
+        """Return the rest of the curve from a time (s) before its end."""
         last = max(self.coefficients.shape[1] - 1, 0)
         first = min(max(int(self.breaks.searchsorted(t, side="right")) - 1, 0), last)
         elapsed = max(t - float(self.breaks[first]), 0.0)
