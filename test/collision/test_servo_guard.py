@@ -83,7 +83,7 @@ def test_random_jogs_touch_nothing_and_leave_room_to_brake(scene):
         slowed += any(report.condition in BEFORE_CONTACT for report in drive.reports)
         drive.assert_limits()
         judge = SecondOpinion(world, link_shapes(scene.chain.description)[0])
-        # Where it was, and where it would have stopped from anywhere.
+        # The places it passed, and those where it would have stopped from each.
         stops = [plan.positions[-1] for plan in drive.plans]
         for q in [*drive.path()[::8], *stops[::2]]:
             distance, bodies = judge.clearance(q)

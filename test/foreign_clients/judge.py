@@ -14,7 +14,7 @@ from robomech_ros.typing import Array
 
 @dataclass
 class Verdict:
-    """What was found.
+    """Findings of the judge.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ def _judge_one(
     pose[:3, 3] = one.position
     with_object.add("object", Box(*one.sizes), pose)
     touches = ~np.asarray(with_object.is_free(q))
-    # Where the robot has come into contact before braking was possible, it may stay for a while.
+    # A robot that came into contact before it could brake may stay there for a while.
     begins = np.flatnonzero(touches & ~np.append(False, touches[:-1]))
     for begin in begins.tolist():
         if ages[begin] < early:

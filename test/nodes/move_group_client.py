@@ -6,14 +6,9 @@ import numpy as np
 from geometry_msgs.msg import Pose
 from moveit_msgs.msg import (
     AttachedCollisionObject,
-    BoundingVolume,
     CollisionObject,
-    Constraints,
-    JointConstraint,
     MotionPlanRequest,
-    OrientationConstraint,
     PlanningScene,
-    PositionConstraint,
     RobotState,
 )
 from moveit_msgs.srv import ApplyPlanningScene, GetPlanningScene
@@ -23,7 +18,7 @@ from shaped_arm import shaped_ur5e
 
 from robomech_ros.nodes.common.joint_limits import with_assumed_rates
 from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.pose_messages import pose_from_matrix
+from robomech_ros.nodes.moveit import goal_constraints
 from robomech_ros.robots import load_description
 
 UR5E = with_assumed_rates(load_description(shaped_ur5e()))[0].chain()
@@ -92,31 +87,12 @@ def carried(one, link="tool0", **fields):
 
 def joint_goal(q, tolerance=1e-3):
     """Make goal constraints on all joints."""
-    return Constraints(
-        joint_constraints=[
-            JointConstraint(
-                joint_name=name,
-                position=float(value),
-                tolerance_above=tolerance,
-                tolerance_below=tolerance,
-                weight=1.0,
-            )
-            for name, value in zip(UR5E.joint_names, q, strict=True)
-        ]
-    )
+    return goal_constraints.joint_goal(UR5E.joint_names, q, tolerance)
 
 
 def pose_goal(T, link="tool0", tolerance=1e-3, frame=""):
-    """Make goal constraints on the pose of a link, as MoveIt's clients do."""
-    pose = pose_from_matrix(T)
-    ball = SolidPrimitive(type=SolidPrimitive.SPHERE, dimensions=[tolerance])
-    region = BoundingVolume(primitives=[ball], primitive_poses=[Pose(position=pose.position)])
-    where = PositionConstraint(link_name=link, constraint_region=region, weight=1.0)
-    turn = OrientationConstraint(link_name=link, orientation=pose.orientation, weight=1.0)
-    for axis in "xyz":
-        setattr(turn, f"absolute_{axis}_axis_tolerance", tolerance)
-    where.header.frame_id = turn.header.frame_id = frame
-    return Constraints(position_constraints=[where], orientation_constraints=[turn])
+    """Make goal constraints on the pose of a link."""
+    return goal_constraints.pose_goal(T, link, tolerance, frame)
 
 
 def request(*goals, start=HERE, **fields):

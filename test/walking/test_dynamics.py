@@ -53,7 +53,7 @@ class Peer:
         return np.array(velocities), np.array(accelerations)
 
     def jacobians(self, q):
-        """Of all feet, in the world, by our order of rates, (k, 3, 6 + n)."""
+        """Jacobians of all feet, in the world, by our order of rates, (k, 3, 6 + n)."""
         pinocchio.computeJointJacobians(self.model, self.data, self.at(q))
         pinocchio.updateFramePlacements(self.model, self.data)
         world = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED

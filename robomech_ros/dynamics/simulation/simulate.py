@@ -167,7 +167,7 @@ def simulate(
     record = Record(as_times(times, duration))
     integration = Integration(motion, choice, limits, part, watched, record)
     state = np.concatenate((q[system.drives_at], rates, [0.0, 0.0]))
-    # What overflows is found in the states.
+    # The states themselves show an overflow.
     with np.errstate(over="ignore", invalid="ignore"), warnings.catch_warnings():
         # LSODA warns of what the reason says.
         warnings.filterwarnings("ignore", "lsoda", UserWarning)

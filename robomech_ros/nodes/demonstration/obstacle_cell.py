@@ -39,7 +39,7 @@ class NoCellError(RobomechError):
 
 @dataclass(frozen=True, eq=False)
 class ObstacleCell:
-    """Where objects stand, and where the tip picks and places the part.
+    """Places of the objects, and poses of the tip to pick and place the part.
 
     Attributes
     ----------

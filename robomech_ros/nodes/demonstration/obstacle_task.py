@@ -4,19 +4,14 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from geometry_msgs.msg import Pose
 from moveit_msgs.action import ExecuteTrajectory
 from moveit_msgs.msg import (
     AttachedCollisionObject,
-    BoundingVolume,
     CollisionObject,
     Constraints,
-    JointConstraint,
     MotionPlanRequest,
     MoveItErrorCodes,
-    OrientationConstraint,
     PlanningScene as SceneMessage,
-    PositionConstraint,
 )
 from moveit_msgs.srv import ApplyPlanningScene, GetMotionPlan, GetPlanningScene
 from shape_msgs.msg import SolidPrimitive
@@ -32,6 +27,7 @@ from robomech_ros.nodes.demonstration.obstacle_cell import PART, ObstacleCell, a
 from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.demonstration.suite import DemoFailedError
 from robomech_ros.nodes.middleware.queue_depth import ask_action
+from robomech_ros.nodes.moveit.goal_constraints import joint_goal, pose_goal
 from robomech_ros.spatial import inverse_pose, pose_error
 from robomech_ros.trajectory import Waypoints
 from robomech_ros.typing import Array
@@ -91,8 +87,9 @@ class CarryAround:
             A step went wrong, or a proof failed.
         """
         chain, cell = self._scene.chain, self._cell
+        tip = chain.tip, _TOLERANCE, chain.base
         self._add_objects()
-        self._move("to the part", self._pose_goal(cell.pick))
+        self._move("to the part", pose_goal(cell.pick, *tip))
         part = AttachedCollisionObject(link_name=chain.tip, touch_links=list(cell.touch_links))
         part.object.id, part.object.operation = PART, CollisionObject.ADD
         self._apply(f"attach '{PART}'", attached=part)
@@ -100,12 +97,12 @@ class CarryAround:
         touching = ", ".join(f"'{link}'" for link in cell.touch_links)
         self._reporter.say(f"'{chain.tip}' carries '{PART}', which {touching} may touch")
         self._show_direct_motion()
-        self._move("around the wall", self._pose_goal(cell.place))
+        self._move("around the wall", pose_goal(cell.place, *tip))
         part.object.operation = CollisionObject.REMOVE
         self._apply(f"detach '{PART}'", attached=part)
         self._scene.detach(PART, q=self._client.present)
         self._check_part()
-        self._move("home", self._joint_goal(self._home))
+        self._move("home", joint_goal(chain.joint_names, self._home, _TOLERANCE))
 
     def _add_objects(self) -> None:
         # This request is repeated if it is lost; after an answer, discovery is complete.
@@ -223,32 +220,6 @@ class CarryAround:
             max(turned, off) < _PLACED,
             f"'{PART}' stands {off * 1e3:.2f} mm and {turned:.1e} rad from its goal",
         )
-
-    def _pose_goal(self, T: Array) -> Constraints:
-        """Make goal constraints on the pose of the tip: all its postures are goals."""
-        base, tip = self._scene.chain.base, self._scene.chain.tip
-        pose = pose_from_matrix(T)
-        ball = SolidPrimitive(type=SolidPrimitive.SPHERE, dimensions=[_TOLERANCE])
-        region = BoundingVolume(primitives=[ball], primitive_poses=[Pose(position=pose.position)])
-        position = PositionConstraint(link_name=tip, constraint_region=region, weight=1.0)
-        turn = OrientationConstraint(link_name=tip, orientation=pose.orientation, weight=1.0)
-        for axis in "xyz":
-            setattr(turn, f"absolute_{axis}_axis_tolerance", _TOLERANCE)
-        position.header.frame_id = turn.header.frame_id = base
-        return Constraints(position_constraints=[position], orientation_constraints=[turn])
-
-    def _joint_goal(self, q: Array) -> Constraints:
-        joints = [
-            JointConstraint(
-                joint_name=name,
-                position=value,
-                tolerance_above=_TOLERANCE,
-                tolerance_below=_TOLERANCE,
-                weight=1.0,
-            )
-            for name, value in zip(self._scene.chain.joint_names, q.tolist(), strict=True)
-        ]
-        return Constraints(joint_constraints=joints)
 
     def _present_state(self) -> Any:
         return joint_state(self._scene.chain.joint_names, self._client.present)

@@ -60,7 +60,7 @@ def test_the_servo_stops_before_a_wall_and_leaves_it(world, robot, scene, graph)
     assert 0.0009 < found.distance < 0.005 and "wall" in found.bodies
     here = robot.position[0]
     hand.repeat(hand.speeds(PAN, [0.8]), lambda: robot.position[0] > here + 0.2)
-    # Who ignores the scene goes through.
+    # A request that ignores the scene is executed.
     value = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=False)
     change = Parameter(name="check_collisions", value=value)
     request = SetParameters.Request(parameters=[change])
