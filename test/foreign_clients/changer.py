@@ -15,7 +15,7 @@ from shape_msgs.msg import SolidPrimitive
 PERIOD = 0.02
 # Objects that stay for about this time (s), and so many that come and go.
 _STAY, _LASTING, _BRIEF = 3.0, 6, 6
-# Places of the objects: distance from the axis of the base, angle and height; and their lengths (m).
+# Places of the objects: distance from the axis of the base, angle, height; and their lengths (m).
 _PLACES = (0.35, 0.9), (-1.6, 1.2), (0.05, 0.8)
 _SIZES = 0.04, 0.15
 
