@@ -9,6 +9,8 @@ import json
 import sys
 import time
 from collections import Counter
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -34,7 +36,7 @@ from sensor_msgs.msg import JointState
 
 # Every goal and request must be answered within this time, s.
 PATIENCE = 60.0
-_AGAIN, _DISCOVERY = 2.0, 1.0
+_AGAIN = 2.0
 _PLANNING = 2.0
 _SPEEDS, _PAUSES = (0.1, 0.6), (0.0, 1.5)
 # Codes whose text is told: a robot that ten clients move and that objects hit has no such reasons.
@@ -71,17 +73,27 @@ class Mover:
         self.longest = 0.0
 
     def connect(self) -> None:
-        """Wait until the nodes know this client: answers are lost before."""
-        assert self._move.wait_for_server(PATIENCE), "no move_action"
-        assert self._execute.wait_for_server(PATIENCE), "no execute_trajectory"
-        client, until = self._services["get_planning_scene"], time.monotonic() + PATIENCE
-        assert client.wait_for_service(PATIENCE), "no get_planning_scene"
+        """Ask each service and action until it answers: before, the middleware loses answers."""
+        for name, client in self._services.items():
+            assert client.wait_for_service(PATIENCE), f"no {name}"
+            self._repeat(name, partial(client.call_async, client.srv_type.Request()))
+        for name, action, kind in (
+            ("move_action", self._move, MoveGroup),
+            ("execute_trajectory", self._execute, ExecuteTrajectory),
+        ):
+            assert action.wait_for_server(PATIENCE), f"no {name}"
+            handle = self._repeat(name, partial(action.send_goal_async, kind.Goal()))
+            if handle.accepted:
+                self._repeat(name, handle.get_result_async)
+
+    def _repeat(self, name: str, ask: Callable[[], Any]) -> Any:
+        until = time.monotonic() + PATIENCE
         while time.monotonic() < until:
-            future = client.call_async(GetPlanningScene.Request())
+            future = ask()
             rclpy.spin_until_future_complete(self._node, future, timeout_sec=_AGAIN)
             if future.done():
-                break
-        time.sleep(_DISCOVERY)
+                return future.result()
+        raise AssertionError(f"{name} does not answer")
 
     def act(self) -> None:
         """Do one thing of many."""
@@ -147,13 +159,13 @@ class Mover:
             self.outcomes[f"inverse kinematics: {solved.error_code.val}"] += 1
 
     def _finish(self, what: str, client: ActionClient, goal: Any) -> None:
-        handle = self._done(what, client.send_goal_async(goal))
+        handle = self._done(f"{what}, sent", client.send_goal_async(goal))
         if handle is None:
             return
         if not handle.accepted:
             self.outcomes[f"{what}: rejected"] += 1
             return
-        ended = self._done(what, handle.get_result_async())
+        ended = self._done(f"{what}, accepted", handle.get_result_async())
         if ended is not None:
             code = ended.result.error_code
             text = f" {code.message[:200]}" if code.val in _UNUSUAL else ""
