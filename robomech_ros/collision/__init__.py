@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from robomech_ros.collision.departures import check_departure as check_departure
     from robomech_ros.collision.distances import Clearance as Clearance
     from robomech_ros.collision.libraries import MissingLibraryError as MissingLibraryError
+    from robomech_ros.collision.meshes import Mesh as Mesh
     from robomech_ros.collision.motion_proof import MotionCheck as MotionCheck
     from robomech_ros.collision.path_ends import stop_before_contact as stop_before_contact
     from robomech_ros.collision.planning import PathPlan as PathPlan, PlanStatus as PlanStatus
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
         Capsule as Capsule,
         Cone as Cone,
         Cylinder as Cylinder,
-        Mesh as Mesh,
         Plane as Plane,
         Shape as Shape,
         Sphere as Sphere,

@@ -11,8 +11,9 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from robomech_ros._kernels.collision.shapes import TREE_WIDTH
+from robomech_ros.collision.meshes import Mesh
 from robomech_ros.collision.scene_objects import MOST_SPHERES, covered
-from robomech_ros.collision.shapes import Body, Box, Capsule, Cylinder, Mesh, Shape, Sphere
+from robomech_ros.collision.shapes import Body, Box, Capsule, Cylinder, Shape, Sphere
 from robomech_ros.errors import RobomechError
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC

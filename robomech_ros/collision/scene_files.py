@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from robomech_ros.collision.shapes import Box, Cone, Cylinder, Mesh, Plane, Shape, Sphere
+from robomech_ros.collision.meshes import Mesh
+from robomech_ros.collision.shapes import Box, Cone, Cylinder, Plane, Shape, Sphere
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.robots.documents.guarded_yaml import LARGEST_YAML, parse_yaml
 from robomech_ros.robots.documents.source_files import read_source
