@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Collection, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -10,49 +9,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robomech_ros._kernels.collision.bounds import frames_at, near_pairs
-from robomech_ros._kernels.collision.grids import CELLS
-from robomech_ros._kernels.collision.shapes import DRIVE, GAIN, KIND, PARENT, SPHERES
+from robomech_ros._kernels.collision.tables import NearPairs
 from robomech_ros._kernels.compiling.jit import direct
+from robomech_ros.collision.kernel_tables import fill_tables, group_grids, list_pairs
 from robomech_ros.collision.libraries import coal
-from robomech_ros.collision.robot_bodies import as_row
-from robomech_ros.collision.shapes import Body
+from robomech_ros.collision.placed_bodies import PlacedBody
+from robomech_ros.spatial.arrays import finite_within
 from robomech_ros.typing import Array, IntArray
 
 _near_pairs, _frames_at = direct(near_pairs), direct(frames_at)
-_NO_PAIRS = np.empty((0, 5))
 # Tolerance of the search for the nearest points (m): the default of 1e-6 would show between round
 # bodies.  Below 1e-11 it fails at times, and so does that for depths below its 1e-6.
 _TOLERANCE = 1e-10
-# Scenes of a robot that differ in joints beside the chain, whose bounds are kept.
-_MOST_KNOWN = 4
-
-
-class PlacedBody(NamedTuple):
-    """A body of a link or an object.
-
-    Attributes
-    ----------
-    owner : str
-        The link or object.
-    frame : int
-        The frame that it moves with; 0 for the base.
-    pose : ndarray, shape (4, 4)
-        In that frame (m).
-    body : Body
-    spheres : ndarray, shape (s, 8)
-        What covers it, in its own frame; without rows where it belongs to the world.
-    around : ndarray, shape (4,)
-    is_carried : bool
-        Whether it is an object that a link carries.
-    """
-
-    owner: str
-    frame: int
-    pose: Array
-    body: Body
-    spheres: Array
-    around: Array
-    is_carried: bool = False
 
 
 class Clearance(NamedTuple):
@@ -99,42 +67,12 @@ class Distances:
         known: dict[bytes, Array],
     ) -> None:
         self.placed = placed
-        spheres, bodies, first = [np.empty((0, 8))], [], 0
-        corners, neighbours = _hulls(placed)
-        corner = 0
-        for one in placed:
-            count = len(one.spheres)
-            kind = SPHERES if count else one.body.kind
-            row = [one.frame, first, first + count, kind, one.body.exact]
-            bodies.append([*row, corner, one.body.radius, one.body.hull_kind])
-            moved = one.spheres.copy()
-            for column in (0, 4):
-                moved[:, column : column + 3] = _moved(
-                    one.pose, one.spheres[:, column : column + 3]
-                )
-            spheres.append(moved)
-            first += count
-            corner += len(one.body.corners)
-        around = [[*_moved(one.pose, one.around[:3]), one.around[3]] for one in placed]
-        shapes = [[*as_row(one.pose @ one.body.pose), *one.body.sizes] for one in placed]
-        pairs = _pairs(joints, placed, checked, padding)
+        pairs = list_pairs(joints, placed, checked, padding)
         # The first pair of each group, and the end of the last.
         starts = np.flatnonzero(np.diff(pairs[:, 4], prepend=-1.0, append=-2.0))
         self.groups: list[int] = starts.tolist()
-        self.tables = (
-            joints,
-            np.array(bodies, dtype=np.float64).reshape(-1, 8),
-            np.array(around).reshape(-1, 4),
-            np.concatenate(spheres),
-            np.array(shapes).reshape(-1, 15),
-            np.array([as_row(one.pose) for one in placed]).reshape(-1, 12),
-            pairs,
-            corners,
-            neighbours,
-            np.zeros((len(pairs), 5)),
-            *_grids(joints, placed, pairs, self.groups, known),
-        )
-        self.tables[9][:, 3:] = self.tables[1][pairs[:, :2].astype(np.int64), 5]
+        grids = group_grids(joints, placed, pairs, self.groups, known)
+        self.tables = fill_tables(joints, placed, pairs, grids)
         self.numbers: IntArray = pairs[:, :2].astype(np.int64)
         self._functions: dict[int, Any] = {}
         self._request, self._result = coal().DistanceRequest(), coal().DistanceResult()
@@ -144,18 +82,16 @@ class Distances:
         self._contact_result = coal().CollisionResult()
         self._first, self._second = coal().Transform3s(), coal().Transform3s()
         count = len(pairs)
-        self._limit, self._low = np.zeros(1), np.zeros(count + 1)
-        self._found = np.zeros(count + 1, dtype=np.int64)
-        self._poses = np.zeros((2 * count + 2, 12))
-        self._turns, self._origins = self._poses[:, :9].reshape(-1, 3, 3), self._poses[:, 9:]
+        self._limit, self._near = np.zeros(1), room_for_pairs(count + 1)
+        self._turns, self._origins = rotations_and_origins(self._near)
 
     def contact(self, q: Array, clearance: float) -> int | None:
         """Return a pair that is not farther apart than a clearance (m), or None."""
-        count = self._near(q, False, clearance)
+        count = self._find_near(q, False, clearance)
         if count < 0:
             return -1 - count
         for k in range(count):
-            pair = int(self._found[k])
+            pair = int(self._near.pairs[k])
             if self.within(pair, clearance, self._turns, self._origins, 2 * k):
                 return pair
         return None
@@ -171,16 +107,16 @@ class Distances:
     def contacts(self, q: Array, pairs: Collection[int] | None = None) -> dict[int, float]:
         """Return the distances (m) of all, or of the given, pairs that touch at drives q (n,)."""
         distances = {}
-        for k in range(self._near(q, True, 0.0)):
-            pair = int(self._found[k])
+        for k in range(self._find_near(q, True, 0.0)):
+            pair = int(self._near.pairs[k])
             if pairs is None or pair in pairs:
                 distances[pair] = self.exact(pair, self._turns, self._origins, 2 * k)
         return {pair: distance for pair, distance in distances.items() if distance <= 0.0}
 
     def pair_distance(self, pair: int, q: Array) -> float:
         """Compute the distance of one pair (m) at drives q (n,)."""
-        frames = np.empty((len(self.tables[0]) + 1, 12))
-        _frames_at(self.tables[0], q, frames)
+        frames = np.empty((len(self.tables.joints) + 1, 12))
+        _frames_at(self.tables.joints, q, frames)
         for k, number in enumerate(self.numbers[pair].tolist()):
             frame, pose = frames[self.placed[number].frame], self.placed[number].pose
             turn = frame[:9].reshape(3, 3)
@@ -191,10 +127,10 @@ class Distances:
         """Find the least distance at drives q (n,)."""
         least, best = np.inf, -1
         points = np.full((2, 3), np.nan)
-        for k in range(self._near(q, True, 0.0)):
-            if best >= 0 and self._low[k] > max(least, 0.0):
+        for k in range(self._find_near(q, True, 0.0)):
+            if best >= 0 and self._near.low[k] > max(least, 0.0):
                 break
-            pair = int(self._found[k])
+            pair = int(self._near.pairs[k])
             distance = self.exact(pair, self._turns, self._origins, 2 * k)
             if distance < least:
                 least, best = distance, pair
@@ -275,7 +211,7 @@ class Distances:
     @cached_property
     def padding(self) -> list[float]:
         """By how much (m) each pair counts as nearer than it is."""
-        padding: list[float] = self.tables[6][:, 3].tolist()
+        padding: list[float] = self.tables.pairs[:, 3].tolist()
         return padding
 
     @cached_property
@@ -289,103 +225,22 @@ class Distances:
                 found[pair] = coal().ComputeDistance(*shapes), coal().ComputeCollision(*shapes)
         return found
 
-    def _near(self, q: Array, nearest: bool, limit: float) -> int:
+    def _find_near(self, q: Array, nearest: bool, limit: float) -> int:
         self._limit[0] = limit
-        count: int = _near_pairs(
-            *self.tables, q, nearest, self._limit, self._found, self._low, self._poses
-        )
+        count: int = _near_pairs(self.tables, q, nearest, self._limit, self._near)
         return count
 
 
-def _moved(pose: Array, points: Array) -> Array:
-    moved: Array = points @ pose[:3, :3].T + pose[:3, 3]
-    return moved
+def room_for_pairs(count: int) -> NearPairs:
+    """Make room for so many pairs found by kernels."""
+    return NearPairs(np.zeros(count, dtype=np.int64), np.zeros(count), np.zeros((2 * count, 12)))
 
 
-def _hulls(placed: Sequence[PlacedBody]) -> tuple[Array, IntArray]:
-    """Return the corners (k, 5) of all bodies in their frames, and which are neighbours."""
-    rows, neighbours, count, first = [np.empty((0, 5))], [np.empty(0, dtype=np.int64)], 0, 0
-    for one in placed:
-        size = len(one.body.corners)
-        starts, targets = one.body.edges[: size + 1], one.body.edges[size + 1 :]
-        where = np.column_stack([starts[:-1], starts[1:]]) + count
-        rows.append(np.column_stack([_moved(one.pose, one.body.corners), where]))
-        neighbours.append(targets + first)
-        count += len(targets)
-        first += size
-    return np.ascontiguousarray(np.concatenate(rows)), np.concatenate(neighbours)
+def rotations_and_origins(near: NearPairs) -> tuple[Array, Array]:
+    """Return views (2 p, 3, 3) and (2 p, 3) of the poses of pairs found by kernels."""
+    return near.poses[:, :9].reshape(-1, 3, 3), near.poses[:, 9:]
 
 
-def _grids(
-    joints: Array,
-    placed: Sequence[PlacedBody],
-    pairs: Array,
-    groups: list[int],
-    known: dict[bytes, Array],
-) -> tuple[Array, Array]:
-    """Return the grids (g, 5) of the groups of pairs, and their cells; see `_kernels`."""
-    numbers = pairs.astype(np.int64)
-    grids, size = np.full((len(groups) - 1, 5), -1.0), 0
-    chosen = [np.empty((0, 2), dtype=np.int64)]
-    for g, (first, last) in enumerate(itertools.pairwise(groups)):
-        grids[g, 3:] = first, last
-        a, b, common = numbers[first, :3].tolist()
-        if placed[a].is_carried or placed[b].is_carried or not len(placed[b].spheres):
-            continue
-        drives = _two_drives(joints, (placed[a].frame, placed[b].frame), common)
-        if not drives:
-            continue
-        grids[g, :3] = drives[0], drives[-1] if len(drives) == 2 else -1, size
-        size += CELLS ** len(drives)
-        chosen.append(numbers[first:last, :2])
-    bodies = np.concatenate(chosen)
-    poses = b"".join(placed[k].pose.tobytes() for k in np.unique(bodies).tolist())
-    key = b"".join((joints.tobytes(), bodies.tobytes(), poses))
-    cells = known.get(key)
-    if cells is None:
-        for oldest in list(known)[: max(len(known) + 1 - _MOST_KNOWN, 0)]:
-            known.pop(oldest, None)
-        cells = known[key] = np.zeros(size)
-    return grids, cells
-
-
-def _two_drives(joints: Array, frames: tuple[int, int], common: int) -> list[int]:
-    """Return the drives of the joints between two frames if these are one or two that turn."""
-    drives = []
-    for frame in frames:
-        while frame != common:
-            row = joints[frame - 1]
-            if row[KIND] != 0.0 or abs(row[GAIN]) != 1.0:
-                return []
-            drives.append(int(row[DRIVE]))
-            frame = int(row[PARENT])
-    return drives if len(set(drives)) == len(drives) <= 2 else []
-
-
-def _pairs(
-    joints: Array,
-    placed: Sequence[PlacedBody],
-    checked: Callable[[PlacedBody, PlacedBody], bool],
-    padding: float,
-) -> Array:
-    """List pairs of bodies that move against each other, and against which frame."""
-    above = {0: {0}}
-    order: dict[int, list[int]] = {0: [0]}
-    for i, parent in enumerate(joints[:, 0].astype(int).tolist()):
-        order[i + 1] = [i + 1, *order[parent]]
-        above[i + 1] = set(order[i + 1])
-    rows, owners = [], []
-    for i, one in enumerate(placed):
-        if not len(one.spheres):
-            break
-        for j in range(i + 1, len(placed)):
-            other = placed[j]
-            if one.frame == other.frame or not checked(one, other):
-                continue
-            common = next(k for k in order[one.frame] if k in above[other.frame])
-            rows.append((i, j, common, 0.0 if len(other.spheres) else padding))
-            owners.append((one.owner, other.owner))
-    groups = {two: k for k, two in enumerate(dict.fromkeys(owners))}
-    numbered = [(*row, groups[two]) for row, two in zip(rows, owners, strict=True)]
-    numbered.sort(key=lambda row: row[4])
-    return np.array(numbered, dtype=np.float64) if rows else _NO_PAIRS
+def checked_clearance(value: float) -> float:
+    """Check a distance that bodies must keep (m)."""
+    return finite_within("clearance", value, "0 to 10 m", 0.0, 10.0)

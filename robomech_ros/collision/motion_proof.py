@@ -18,9 +18,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robomech_ros._kernels.collision.bounds import UNCERTAIN
-from robomech_ros._kernels.collision.motions import CONTACT, DEEPEST, FREE, group_part, sweep
+from robomech_ros._kernels.collision.motions import (
+    CONTACT,
+    DEEPEST,
+    FREE,
+    OpenParts,
+    group_part,
+    sweep,
+)
 from robomech_ros._kernels.compiling.jit import direct
-from robomech_ros.collision.distances import Distances
+from robomech_ros.collision.distances import Distances, room_for_pairs, rotations_and_origins
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.joint_values import as_finite_values
 from robomech_ros.robots.chain import SerialChain
@@ -113,21 +120,18 @@ class MotionProof:
         self._distances = distances
         self._clearance = clearance
         self.least = math.inf
-        joints, bodies, _, spheres, shapes, placed, pairs = distances.tables[:7]
-        count = len(pairs)
+        self._tables = distances.tables
+        count = len(self._tables.pairs)
         self._all = np.arange(count)
-        self._tables = joints, bodies, spheres, shapes, placed, pairs
         self._limits = np.array([clearance, _STEP, _FINE, 0.0])
         self._found = np.zeros(4)
         # One part may leave all pairs open.
-        self._parts = np.zeros((max(_PLACES, count), 2))
-        self._groups = np.zeros(len(self._parts), dtype=np.int64)
+        places = max(_PLACES, count)
+        self._open = OpenParts(np.zeros((places, 2)), np.zeros(places, dtype=np.int64))
         self._unproved = 0
         self._lists = np.zeros((DEEPEST + 2, count), dtype=np.int64)
-        self._pairs = np.zeros(count, dtype=np.int64)
-        self._travel, self._low = np.zeros((2, count))
-        self._poses = np.zeros((2 * count, 12))
-        self._turns, self._origins = self._poses[:, :9].reshape(-1, 3, 3), self._poses[:, 9:]
+        self._travel, self._near = np.zeros(count), room_for_pairs(count)
+        self._turns, self._origins = rotations_and_origins(self._near)
 
     def obstruction(self, curve: Array, *, first: bool = True) -> Obstruction | None:
         """Find where a curve, as Bernstein coefficients (d + 1, n), is not free; None if it is.
@@ -174,15 +178,7 @@ class MotionProof:
 
     def _sweep(self, curve: Array) -> int:
         status: int = _sweep(
-            *self._distances.tables,
-            self._all,
-            len(self._all),
-            curve,
-            self._limits,
-            self._lists,
-            self._found,
-            self._parts,
-            self._groups,
+            self._tables, self._all, curve, self._limits, self._lists, self._found, self._open
         )
         return status
 
@@ -190,12 +186,12 @@ class MotionProof:
         """Look at the parts that spheres have left open, in their order."""
         best: Obstruction | None = None
         for k in range(count):
-            begin, end = self._parts[k].tolist()
+            begin, end = self._open.ends[k].tolist()
             if best is not None and (begin >= best.at if best.contact else not first):
                 break
             if self._unproved >= _MOST_UNPROVED:
                 break
-            best = _preferred(best, self._look(curve, begin, end, int(self._groups[k]), first))
+            best = _preferred(best, self._look(curve, begin, end, int(self._open.groups[k]), first))
         return best
 
     def _look(
@@ -213,16 +209,7 @@ class MotionProof:
             if best is not None and best.contact and low >= best.at:
                 continue
             count = _group_part(
-                *self._tables,
-                tested,
-                len(tested),
-                curve,
-                part,
-                self._clearance,
-                self._pairs,
-                self._travel,
-                self._low,
-                self._poses,
+                self._tables, tested, curve, part, self._clearance, self._travel, self._near
             )
             middle, half = 0.5 * (low + high), 0.5 * (high - low)
             found = self._middle(count)
@@ -246,9 +233,9 @@ class MotionProof:
         """Look at pairs where `group_part` has put them."""
         distances, unclear, largest, share = self._distances, list[int](), 0.0, 1.0
         for k in range(count):
-            pair, travel = int(self._pairs[k]), float(self._travel[k])
+            pair, travel = int(self._near.pairs[k]), float(self._travel[k])
             needed = travel + self._clearance + UNCERTAIN
-            if self._low[k] - distances.padding[pair] > needed:
+            if self._near.low[k] - distances.padding[pair] > needed:
                 continue
             place = self._turns, self._origins, 2 * k
             distance = distances.of_hulls(pair, *place)

@@ -1,28 +1,16 @@
-"""Which pairs of bodies may be in contact: bounds of their distances by spheres.
-
-A body is covered by spheres, and holds as many inside it: rows of ``spheres`` (s, 8) with
-centre and radius of both.  The first columns of ``bodies`` have the frame that the body moves
-with, its first sphere and the one after its last, the kind of simple shape that it is or lies
-in (``SPHERES`` for none) and 1 where it is that shape exactly; rows of ``around`` (b, 4) a
-sphere around all of it.  Centres are in the frame.  Rows of ``shapes`` (b, 15) hold pose and
-sizes of the simple shape, rows of ``placed`` (b, 12) the pose of the body itself, both in the
-frame.  Each body is inside the convex hull of its corners, or within its radius of that:
-columns 5 to 7 of ``bodies`` (b, 8) have its first corner, the radius, and what the body is (see
-`hulls`).  Rows of ``pairs`` (p, 5) have the two bodies, of which the first has spheres, the
-frame before the first joint that moves them against each other, by how much (m) the pair counts
-as nearer than it is, and the number of its group: the pairs of bodies of the same two links or
-objects, which stand one behind the other.
-"""
+"""Bounds of the distances of pairs of bodies by spheres, and the pairs that these leave open."""
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from robomech_ros._kernels.collision.grids import known_apart
 from robomech_ros._kernels.collision.hulls import hull_bounds, is_exact
 from robomech_ros._kernels.collision.shapes import SPHERES, compose, place_frames, signed_distance
-from robomech_ros._kernels.compiling.jit import kernel, lean
-from robomech_ros._kernels.compiling.types import IIN1, IN1, IN2, IOUT1, OUT1, OUT2, i8
+from robomech_ros._kernels.collision.tables import NEAR_PAIRS, TABLES
+from robomech_ros._kernels.compiling.jit import flat, inline, kernel, lean
+from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, OUT2, i8
 
 # A pair is surely too near if spheres inside the bodies are, by more than rounding (m).
 ROUNDING = 1e-9
@@ -30,8 +18,36 @@ ROUNDING = 1e-9
 UNCERTAIN = 1e-6
 
 
+class Posture(NamedTuple):
+    """Working space for the bodies at a posture.
+
+    Poses of the frames (m + 1, 12), bounds of the motion of each joint (m,), which bodies have
+    their spheres placed (b,), centres of outer and inner spheres (s, 6), and bounds of the motion
+    of each sphere against each frame (s, m + 1).
+    """
+
+    frames: Any
+    rates: Any
+    ready: Any
+    points: Any
+    moved: Any
+
+
+@inline
+def room_for_posture(tables):
+    """Make room for the bodies at a posture, no sphere of which is placed or moves."""
+    m, s = tables.joints.shape[0], tables.spheres.shape[0]
+    return Posture(
+        np.empty((m + 1, 12)),
+        np.empty(m),
+        np.zeros(tables.bodies.shape[0], np.int64),
+        np.empty((s, 6)),
+        np.zeros((s, m + 1)),
+    )
+
+
 @lean
-def transformed(frames, f, x, y, z):
+def _transformed(frames, f, x, y, z):
     return (
         frames[f, 0] * x + frames[f, 1] * y + frames[f, 2] * z + frames[f, 9],
         frames[f, 3] * x + frames[f, 4] * y + frames[f, 5] * z + frames[f, 10],
@@ -40,82 +56,106 @@ def transformed(frames, f, x, y, z):
 
 
 @lean
-def place_bodies(frames, bodies, around, placed):
-    """Write where the spheres around the bodies are to placed (b, 3)."""
+def place_bodies(frames, bodies, around, centres):
+    """Write the centres (b, 3) of the spheres around the bodies."""
     for b in range(bodies.shape[0]):
         f = int(bodies[b, 0])
-        x, y, z = transformed(frames, f, around[b, 0], around[b, 1], around[b, 2])
-        placed[b, 0], placed[b, 1], placed[b, 2] = x, y, z
+        x, y, z = _transformed(frames, f, around[b, 0], around[b, 1], around[b, 2])
+        centres[b, 0], centres[b, 1], centres[b, 2] = x, y, z
 
 
-@lean
-def place_spheres(frames, bodies, spheres, b, ready, placed):
-    """Write where the spheres of body b are to placed (s, 6), outer and inner, if not done yet."""
+@flat
+def place_spheres(tables, posture, b):
+    """Write the centres of the spheres of body b, outer and inner, if not done yet."""
+    ready, frames, points = posture.ready, posture.frames, posture.points
     if ready[b]:
         return
     ready[b] = 1
+    bodies, spheres = tables.bodies, tables.spheres
     f = int(bodies[b, 0])
     for s in range(int(bodies[b, 1]), int(bodies[b, 2])):
-        x, y, z = transformed(frames, f, spheres[s, 0], spheres[s, 1], spheres[s, 2])
-        placed[s, 0], placed[s, 1], placed[s, 2] = x, y, z
-        x, y, z = transformed(frames, f, spheres[s, 4], spheres[s, 5], spheres[s, 6])
-        placed[s, 3], placed[s, 4], placed[s, 5] = x, y, z
+        x, y, z = _transformed(frames, f, spheres[s, 0], spheres[s, 1], spheres[s, 2])
+        points[s, 0], points[s, 1], points[s, 2] = x, y, z
+        x, y, z = _transformed(frames, f, spheres[s, 4], spheres[s, 5], spheres[s, 6])
+        points[s, 3], points[s, 4], points[s, 5] = x, y, z
 
 
-@lean
-def far_bound(bodies, around, shapes, middles, a, b):
+@flat
+def far_bound(tables, centres, a, b):
     """Return a lower bound of the distance by one sphere around each body."""
-    kind = int(bodies[b, 3])
+    around = tables.around
+    kind = int(tables.bodies[b, 3])
     if kind == SPHERES:
-        x = middles[a, 0] - middles[b, 0]
-        y = middles[a, 1] - middles[b, 1]
-        z = middles[a, 2] - middles[b, 2]
+        x = centres[a, 0] - centres[b, 0]
+        y = centres[a, 1] - centres[b, 1]
+        z = centres[a, 2] - centres[b, 2]
         return math.sqrt(x * x + y * y + z * z) - around[a, 3] - around[b, 3]
-    return (
-        signed_distance(kind, shapes, b, middles[a, 0], middles[a, 1], middles[a, 2])
-        - (around[a, 3])
-    )
+    gap = signed_distance(kind, tables.shapes, b, centres[a, 0], centres[a, 1], centres[a, 2])
+    return gap - around[a, 3]
 
 
-@lean
-def pair_bounds(bodies, spheres, shapes, placed, moved, a, b, c):
-    """Return bounds of the distance of a pair: below, below while it moves, and above.
-
-    Spheres move by at most moved[s, c] against frame c.
-    """
+@flat
+def pair_bounds(tables, posture, p):
+    """Return bounds of the distance of pair p: below, below while it moves, and above."""
+    a, b, c = int(tables.pairs[p, 0]), int(tables.pairs[p, 1]), int(tables.pairs[p, 2])
+    kind = int(tables.bodies[b, 3])
+    if kind == SPHERES:
+        return _bounds_of_spheres(tables.bodies, tables.spheres, posture, a, b, c)
+    bodies, spheres, shapes = tables.bodies, tables.spheres, tables.shapes
+    points, moved = posture.points, posture.moved
     low, moving, high = math.inf, math.inf, math.inf
-    kind = int(bodies[b, 3])
-    if kind != SPHERES:
-        exact = bodies[b, 4] == 1.0
-        for s in range(int(bodies[a, 1]), int(bodies[a, 2])):
-            gap = signed_distance(kind, shapes, b, placed[s, 0], placed[s, 1], placed[s, 2])
-            gap -= spheres[s, 3]
-            low = min(low, gap)
-            moving = min(moving, gap - moved[s, c])
-            if exact:
-                inner = signed_distance(kind, shapes, b, placed[s, 3], placed[s, 4], placed[s, 5])
-                high = min(high, inner - spheres[s, 7])
-        return low, moving, high
+    exact = bodies[b, 4] == 1.0
+    for s in range(int(bodies[a, 1]), int(bodies[a, 2])):
+        gap = signed_distance(kind, shapes, b, points[s, 0], points[s, 1], points[s, 2])
+        gap -= spheres[s, 3]
+        low = min(low, gap)
+        moving = min(moving, gap - moved[s, c])
+        if exact:
+            inner = signed_distance(kind, shapes, b, points[s, 3], points[s, 4], points[s, 5])
+            high = min(high, inner - spheres[s, 7])
+    return low, moving, high
+
+
+@flat
+def _bounds_of_spheres(bodies, spheres, posture, a, b, c):
+    """Return the bounds of `pair_bounds` for two bodies that have spheres."""
+    points, moved = posture.points, posture.moved
+    low, moving, high = math.inf, math.inf, math.inf
     for s in range(int(bodies[a, 1]), int(bodies[a, 2])):
         for t in range(int(bodies[b, 1]), int(bodies[b, 2])):
-            x = placed[s, 0] - placed[t, 0]
-            y = placed[s, 1] - placed[t, 1]
-            z = placed[s, 2] - placed[t, 2]
+            x = points[s, 0] - points[t, 0]
+            y = points[s, 1] - points[t, 1]
+            z = points[s, 2] - points[t, 2]
             gap = math.sqrt(x * x + y * y + z * z) - spheres[s, 3] - spheres[t, 3]
             low = min(low, gap)
             moving = min(moving, gap - moved[s, c] - moved[t, c])
-            x = placed[s, 3] - placed[t, 3]
-            y = placed[s, 4] - placed[t, 4]
-            z = placed[s, 5] - placed[t, 5]
+            x = points[s, 3] - points[t, 3]
+            y = points[s, 4] - points[t, 4]
+            z = points[s, 5] - points[t, 5]
             high = min(high, math.sqrt(x * x + y * y + z * z) - spheres[s, 7] - spheres[t, 7])
     return low, moving, high
 
 
 @lean
-def write_poses(frames, bodies, placed, a, b, poses, k):
-    """Write the poses of the two bodies of a pair to rows 2 k and 2 k + 1 of poses."""
-    compose(frames, int(bodies[a, 0]), placed, a, 0, poses, 2 * k)
-    compose(frames, int(bodies[b, 0]), placed, b, 0, poses, 2 * k + 1)
+def insert_pair(near, count, p, low):
+    """Insert a pair among those found, sorted by their lower bounds; return the new count."""
+    k = count
+    while k > 0 and near.low[k - 1] > low:
+        near.pairs[k], near.low[k] = near.pairs[k - 1], near.low[k - 1]
+        k -= 1
+    near.pairs[k], near.low[k] = p, low
+    return count + 1
+
+
+@flat
+def write_poses(tables, frames, near, count):
+    """Write the poses of both bodies of each pair found to two rows."""
+    bodies, placed, pairs = tables.bodies, tables.placed, tables.pairs
+    for k in range(count):
+        p = near.pairs[k]
+        for i in range(2):
+            b = int(pairs[p, i])
+            compose(frames, int(bodies[b, 0]), placed, b, 0, near.poses, 2 * k + i)
 
 
 @kernel(i8(IN2, IN1, OUT2))
@@ -125,134 +165,97 @@ def frames_at(joints, q, frames):
     return 0
 
 
-@kernel(
-    i8(
-        IN2,
-        IN2,
-        IN2,
-        IN2,
-        IN2,
-        IN2,
-        IN2,
-        IN2,
-        IIN1,
-        OUT2,
-        IN2,
-        OUT1,
-        IN1,
-        i8,
-        OUT1,
-        IOUT1,
-        OUT1,
-        OUT2,
-    )
-)
-def near_pairs(
-    joints,
-    bodies,
-    around,
-    spheres,
-    shapes,
-    placed,
-    pairs,
-    corners,
-    neighbours,
-    axes,
-    grids,
-    cells,
-    q,
-    nearest,
-    limit,
-    found,
-    low,
-    poses,
-):
-    """Find the pairs whose distances must be computed at a posture, nearest bound first.
+@flat
+def _far_bounds(tables, centres, q, nearest, limit, bounds):
+    """Write a first lower bound of each pair, infinite for distant groups of links.
 
-    Without ``nearest`` these are all that may be nearer than limit[0]; if one is so surely, it
-    alone is found, and the result is -1 - its number.  With ``nearest`` they are those that may be
-    the nearest pair, and limit[0] becomes an upper bound of the least distance.  Returns how many
-    there are: their numbers are in found (p,), lower bounds in low (p,), poses of both bodies in
-    poses (2 p, 12).
+    Returns the limit, or with ``nearest`` an upper bound of the least distance.
     """
-    frames = np.empty((joints.shape[0] + 1, 12))
-    place_frames(joints, q, frames)
-    middles = np.empty((bodies.shape[0], 3))
-    place_bodies(frames, bodies, around, middles)
-    points = np.empty((spheres.shape[0], 6))
-    ready = np.zeros(bodies.shape[0], np.int64)
-    still = np.zeros((spheres.shape[0], 1))
-    most = math.inf if nearest else limit[0]
-    bounds = np.empty(pairs.shape[0])
+    pairs, around = tables.pairs, tables.around
+    most = math.inf if nearest else limit
     before, apart = -1, False
     for p in range(pairs.shape[0]):
         if not nearest and int(pairs[p, 4]) != before:
             before = int(pairs[p, 4])
-            apart = known_apart(grids, cells, before, q, limit[0])
+            apart = known_apart(tables.grids, tables.cells, before, q, limit)
         if apart:
             bounds[p] = math.inf
             continue
         a, b = int(pairs[p, 0]), int(pairs[p, 1])
-        bounds[p] = far_bound(bodies, around, shapes, middles, a, b) - pairs[p, 3]
+        bounds[p] = far_bound(tables, centres, a, b) - pairs[p, 3]
         if nearest:
             # Not farther than the spheres around both are wide, however they lie.
             most = min(most, bounds[p] + 2.0 * (around[a, 3] + around[b, 3]))
+    return most
+
+
+@flat
+def _padded_bounds(tables, posture, p):
+    """Return bounds of the distance of pair p by spheres, below and above, less its padding."""
+    pairs = tables.pairs
+    place_spheres(tables, posture, int(pairs[p, 0]))
+    place_spheres(tables, posture, int(pairs[p, 1]))
+    low, _, high = pair_bounds(tables, posture, p)
+    return low - pairs[p, 3], high - pairs[p, 3]
+
+
+@flat
+def _contact_bounds(tables, posture, p, limit):
+    """Return a lower bound for pair p, and an upper bound if it is surely within the limit."""
+    low, high = _padded_bounds(tables, posture, p)
+    if high < limit - ROUNDING:
+        return low, high
+    if low > limit:
+        return low, math.inf
+    pairs = tables.pairs
+    padding = pairs[p, 3]
+    keep = limit + padding
+    below, above = hull_bounds(tables, posture.frames, p, keep, keep + ROUNDING)
+    low = max(low, below - padding - ROUNDING)
+    if is_exact(tables.bodies, int(pairs[p, 0]), int(pairs[p, 1])) and above - padding <= limit:
+        return low, above - padding
+    return low, math.inf
+
+
+@kernel(i8(TABLES, IN1, i8, OUT1, NEAR_PAIRS))
+def near_pairs(tables, q, nearest, limit, near):
+    """Find the pairs whose distances must be computed at a posture, nearest bound first.
+
+    Without ``nearest`` these are all that may be nearer than limit[0].  A pair that surely is
+    becomes the only one, and the result is -1 - its number.  With ``nearest`` they are those that
+    may be the nearest pair, and limit[0] becomes an upper bound of the least distance.
+
+    Returns the number of pairs found.
+    """
+    count = tables.pairs.shape[0]
+    posture = room_for_posture(tables)
+    place_frames(tables.joints, q, posture.frames)
+    centres = np.empty((tables.bodies.shape[0], 3))
+    place_bodies(posture.frames, tables.bodies, tables.around, centres)
+    bounds = np.empty(count)
+    most = _far_bounds(tables, centres, q, nearest, limit[0], bounds)
     if nearest:
         # The pairs with the least bounds first: what they say leaves out most of the others.
-        for p in range(pairs.shape[0]):
-            if bounds[p] > 0.0 and bounds[p] > 0.25 * most:
-                continue
-            a, b = int(pairs[p, 0]), int(pairs[p, 1])
-            place_spheres(frames, bodies, spheres, a, ready, points)
-            place_spheres(frames, bodies, spheres, b, ready, points)
-            _, _, high = pair_bounds(bodies, spheres, shapes, points, still, a, b, 0)
-            most = min(most, high - pairs[p, 3])
-    count = 0
-    for p in range(pairs.shape[0]):
+        for p in range(count):
+            if bounds[p] <= 0.0 or bounds[p] <= 0.25 * most:
+                most = min(most, _padded_bounds(tables, posture, p)[1])
+    found = 0
+    for p in range(count):
         if bounds[p] > max(most, 0.0):
             continue
-        a, b = int(pairs[p, 0]), int(pairs[p, 1])
-        place_spheres(frames, bodies, spheres, a, ready, points)
-        place_spheres(frames, bodies, spheres, b, ready, points)
-        least, _, high = pair_bounds(bodies, spheres, shapes, points, still, a, b, 0)
-        least, high = least - pairs[p, 3], high - pairs[p, 3]
         if nearest:
+            low, high = _padded_bounds(tables, posture, p)
             most = min(most, high)
-        elif high < most - ROUNDING:
-            found[0], low[0] = p, high
-            write_poses(frames, bodies, placed, a, b, poses, 0)
-            return -1 - p
-        elif least <= most:
-            far, high = hull_bounds(
-                frames,
-                bodies,
-                shapes,
-                corners,
-                neighbours,
-                axes,
-                p,
-                a,
-                b,
-                most + pairs[p, 3],
-                most + pairs[p, 3] + ROUNDING,
-            )
-            least = max(least, far - pairs[p, 3] - ROUNDING)
-            if is_exact(bodies, a, b) and high - pairs[p, 3] <= most:
-                found[0], low[0] = p, high - pairs[p, 3]
-                write_poses(frames, bodies, placed, a, b, poses, 0)
+        else:
+            low, high = _contact_bounds(tables, posture, p, most)
+            if high < math.inf:
+                insert_pair(near, 0, p, high)
+                write_poses(tables, posture.frames, near, 1)
                 return -1 - p
         # Overlapping spheres say nothing about depths.
-        least = max(least, bounds[p])
-        if (least <= max(most, 0.0)) if nearest else (least <= most):
-            k = count
-            value = least if least > 0.0 else 0.0
-            while k > 0 and low[k - 1] > value:
-                found[k], low[k] = found[k - 1], low[k - 1]
-                k -= 1
-            found[k], low[k] = p, value
-            count += 1
-    for k in range(count):
-        p = found[k]
-        write_poses(frames, bodies, placed, int(pairs[p, 0]), int(pairs[p, 1]), poses, k)
+        low = max(low, bounds[p])
+        if low <= (max(most, 0.0) if nearest else most):
+            found = insert_pair(near, found, p, max(low, 0.0))
+    write_poses(tables, posture.frames, near, found)
     limit[0] = most
-    return count
+    return found

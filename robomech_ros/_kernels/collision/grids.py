@@ -1,24 +1,27 @@
 """Distances between links of a robot that one or two joints move against each other.
 
-Such distances are the same in all scenes, so that bounds of them are kept.  Rows of ``grids``
-(g, 5), one for each group of pairs, hold the drives of both joints (the second is -1 if there is
-only one), where the cells of the group begin in ``cells`` (-1 if it has none), its first pair and
-the one after its last.  A cell holds a lower bound of the distance of the group while each joint is
-anywhere in the cell, or 0 where it is not known yet.
+Such distances are the same in all scenes, so bounds of them are kept.  Rows of ``grids`` (g, 5)
+hold for each group of pairs: the drives of both joints (-1 for a second one that does not exist),
+its first cell in ``cells`` (-1 if it has none), its first pair and the one after its last.  A cell
+holds a lower bound of the distance of the group while each joint is anywhere in the cell, or 0 if
+no bound is known yet.
 """
 
 import math
 
+from robomech_ros._kernels.collision.curves import drive_rate
 from robomech_ros._kernels.compiling.jit import lean
 
 # Cells of a turn of a joint, their size (rad), and how many a motion may touch along each joint.
 CELLS = 128
 CELL = 2.0 * math.pi / CELLS
-MOST_TOUCHED = 8
+_MOST_TOUCHED = 8
+# Results of `cells_apart`, besides the number of a cell without a bound.
+APART, UNDECIDED = -1, -2
 
 
 @lean
-def cell_range(middle, rate):
+def _cell_range(middle, rate):
     """Return the first cell that a joint touches within a rate (rad), and how many it touches."""
     reach = rate + 1e-9
     first = math.floor((middle - reach) / CELL)
@@ -26,7 +29,7 @@ def cell_range(middle, rate):
 
 
 @lean
-def cell_number(grids, g, k, i):
+def _cell_number(grids, g, k, i):
     """Return the place of a cell of group g among all cells, from its numbers along both joints."""
     place = int(grids[g, 2]) + k % CELLS
     if grids[g, 1] >= 0.0:
@@ -39,8 +42,32 @@ def known_apart(grids, cells, g, q, keep):
     """Whether a group is known to be farther apart than a distance (m) at drives q."""
     if grids[g, 2] < 0.0:
         return False
-    first, _ = cell_range(q[int(grids[g, 0])], 0.0)
+    first, _ = _cell_range(q[int(grids[g, 0])], 0.0)
     second = 0
     if grids[g, 1] >= 0.0:
-        second, _ = cell_range(q[int(grids[g, 1])], 0.0)
-    return cells[cell_number(grids, g, first, second)] > keep
+        second, _ = _cell_range(q[int(grids[g, 1])], 0.0)
+    return cells[_cell_number(grids, g, first, second)] > keep
+
+
+@lean
+def cells_apart(grids, cells, g, curve, middle, keep):
+    """Look up whether group g is farther apart than a distance (m) on a curve.
+
+    Returns APART, UNDECIDED, or the number of a cell on the curve without a bound.
+    """
+    k, j = int(grids[g, 0]), int(grids[g, 1])
+    first, along = _cell_range(middle[k], drive_rate(curve, middle, k))
+    second, across = 0, 1
+    if j >= 0:
+        second, across = _cell_range(middle[j], drive_rate(curve, middle, j))
+    if max(along, across) > _MOST_TOUCHED:
+        return UNDECIDED
+    unknown = APART
+    for v in range(second, second + across):
+        for u in range(first, first + along):
+            cell = _cell_number(grids, g, u, v)
+            if cells[cell] == 0.0:
+                unknown = cell
+            elif cells[cell] <= keep:
+                return UNDECIDED
+    return unknown

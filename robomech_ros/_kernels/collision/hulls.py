@@ -1,9 +1,9 @@
 """Lower bounds of the distance of two bodies, by planes between them.
 
-Rows of ``corners`` (k, 5) hold a corner of a body in its frame, and where in ``neighbours`` (e,)
-the numbers of the corners begin and end that an edge joins to it.  Rows of ``axes`` (p, 5) hold the
-normal of the best plane that was last found between a pair, in the frame of the first body, and the
-corners of both that were nearest to it; they may be wrong, and are only where a search begins.
+Rows of ``corners`` (k, 5) hold a corner of a body in its frame and a range of ``neighbours`` (e,),
+the numbers of the corners that an edge joins to it.  Rows of ``axes`` (p, 5) hold the normal of the
+best plane last found between a pair, in the frame of the first body, and the corners of both
+nearest to it.  A search begins there; wrong rows cost time only.
 
 References
 ----------
@@ -15,23 +15,25 @@ P. Wolfe, "Finding the nearest point in a polytope", Mathematical Programming 11
 import math
 
 from robomech_ros._kernels.collision.shapes import HALF_SPACE
-from robomech_ros._kernels.compiling.jit import lean, scratch
+from robomech_ros._kernels.compiling.jit import flat, lean, scratch
 
-# What column 7 of bodies says: all of the body is the hull of its corners, or it is a cylinder.
+# Values of column 7 of bodies: all of the body is the hull of its corners, or it is a cylinder.
 HULL, ROUND = 1.0, 2.0
-# The most steps of a search, what is no progress any more (m), and relative size of a flat simplex.
+# The most steps of a search, the least progress (m), and the relative size of a flat simplex.
 _MOST_STEPS = 24
 _NO_PROGRESS = 1e-9
 _FLAT = 1e-12
 
 
-@lean
-def _support(bodies, shapes, corners, neighbours, b, at, direction, point):
+@flat
+def _support(tables, b, at, direction, point):
     """Write the point of body b that is farthest along a direction, both in its frame, to point.
 
-    The search climbs from a corner; the number of the one where it ends is returned.  The radius of
-    the body is left out.
+    The search climbs from a corner and returns the number of the last one.  It leaves out the
+    radius of the body.
     """
+    bodies, shapes = tables.bodies, tables.shapes
+    corners, neighbours = tables.corners, tables.neighbours
     x, y, z = direction[0], direction[1], direction[2]
     if bodies[b, 7] == ROUND:
         u = shapes[b, 0] * x + shapes[b, 3] * y + shapes[b, 6] * z
@@ -96,7 +98,7 @@ def _solve_edges(points, size, system):
 def _reduce_simplex(points, weights, size, system):
     """Keep the corners of a simplex whose nearest point to zero has positive weights.
 
-    Returns how many there are, or 0 where the simplex is flat.
+    Returns how many there are, or 0 if the simplex is flat.
     """
     while size > 1:
         if not _solve_edges(points, size, system):
@@ -139,9 +141,10 @@ def _relative_pose(frames, f, g, pose):
         pose[9 + r] = total
 
 
-@lean
-def _above_plane(frames, bodies, shapes, corners, neighbours, a, b):
-    """Return how far all of body a is above the half-space b, at least."""
+@flat
+def _above_plane(tables, frames, a, b):
+    """Return the least height of body a above the half-space b."""
+    bodies, shapes = tables.bodies, tables.shapes
     f, g = int(bodies[a, 0]), int(bodies[b, 0])
     normal, down, lowest = scratch(3), scratch(3), scratch(3)
     for r in range(3):
@@ -152,7 +155,7 @@ def _above_plane(frames, bodies, shapes, corners, neighbours, a, b):
         down[r] = 0.0
         for k in range(3):
             down[r] -= frames[f, 3 * k + r] * normal[k]
-    _support(bodies, shapes, corners, neighbours, a, int(bodies[a, 5]), down, lowest)
+    _support(tables, a, int(bodies[a, 5]), down, lowest)
     height = 0.0
     for r in range(3):
         x, origin = frames[f, 9 + r], frames[g, 9 + r]
@@ -164,22 +167,48 @@ def _above_plane(frames, bodies, shapes, corners, neighbours, a, b):
 
 
 @lean
+def _write_difference(pose, first, second, difference):
+    """Write the vector from the first point to the second, whose frame has a pose in its frame."""
+    for r in range(3):
+        difference[r] = (
+            pose[3 * r] * second[0]
+            + pose[3 * r + 1] * second[1]
+            + pose[3 * r + 2] * second[2]
+            + pose[9 + r]
+            - first[r]
+        )
+
+
+@lean
+def _nearest_point(points, weights, size):
+    """Return the point of a simplex that has these weights."""
+    x, y, z = 0.0, 0.0, 0.0
+    for k in range(size):
+        x += weights[k] * points[k, 0]
+        y += weights[k] * points[k, 1]
+        z += weights[k] * points[k, 2]
+    return x, y, z
+
+
+@lean
 def is_exact(bodies, a, b):
     """Whether the upper bounds of `hull_bounds` hold for a pair."""
     return bodies[a, 7] > 0.0 and bodies[b, 7] > 0.0
 
 
 @lean
-def hull_bounds(frames, bodies, shapes, corners, neighbours, axes, p, a, b, keep, enough):
+def hull_bounds(tables, frames, p, keep, enough):
     """Return bounds of the distance of the hulls of pair p, below and above.
 
     A cylinder counts as itself, not as the hull of its corners.
 
-    The search ends once that below is above ``enough`` (m), or that above is not, and both are on
-    the same side of ``keep``.
+    The search ends once the lower bound is above ``enough`` (m), or once the upper bound is not and
+    both are on the same side of ``keep``.
     """
+    bodies, axes = tables.bodies, tables.axes
+    a, b = int(tables.pairs[p, 0]), int(tables.pairs[p, 1])
     if int(bodies[b, 3]) == HALF_SPACE:
-        height = _above_plane(frames, bodies, shapes, corners, neighbours, a, b)
+        height = _above_plane(tables, frames, a, b)
         return height, height
     pose, points, weights, system = scratch(12), scratch(4, 3), scratch(4), scratch(3, 4)
     towards, first, second = scratch(3), scratch(3), scratch(3)
@@ -197,18 +226,11 @@ def hull_bounds(frames, bodies, shapes, corners, neighbours, axes, p, a, b, keep
             x, y, z, norm = 1.0, 0.0, 0.0, 1.0
         x, y, z = x / norm, y / norm, z / norm
         towards[0], towards[1], towards[2] = x, y, z
-        i = _support(bodies, shapes, corners, neighbours, a, i, towards, first)
+        i = _support(tables, a, i, towards, first)
         for r in range(3):
             towards[r] = -(pose[r] * x + pose[3 + r] * y + pose[6 + r] * z)
-        j = _support(bodies, shapes, corners, neighbours, b, j, towards, second)
-        for r in range(3):
-            points[size, r] = (
-                pose[3 * r] * second[0]
-                + pose[3 * r + 1] * second[1]
-                + pose[3 * r + 2] * second[2]
-                + pose[9 + r]
-                - first[r]
-            )
+        j = _support(tables, b, j, towards, second)
+        _write_difference(pose, first, second, points[size])
         between = x * points[size, 0] + y * points[size, 1] + z * points[size, 2]
         if between > low:
             low = between
@@ -221,11 +243,7 @@ def hull_bounds(frames, bodies, shapes, corners, neighbours, axes, p, a, b, keep
         size = _reduce_simplex(points, weights, size + 1, system)
         if not size:
             break
-        x, y, z = 0.0, 0.0, 0.0
-        for k in range(size):
-            x += weights[k] * points[k, 0]
-            y += weights[k] * points[k, 1]
-            z += weights[k] * points[k, 2]
+        x, y, z = _nearest_point(points, weights, size)
         nearest = math.sqrt(x * x + y * y + z * z)
         if nearest > high - _NO_PROGRESS:
             break

@@ -1,0 +1,81 @@
+"""The tables of a scene, with a row for each joint, body, sphere, pair and group of pairs.
+
+A body is covered by spheres, and holds as many inside it.  It is inside the convex hull of its
+corners, or within its radius of that.  Each body belongs to a frame, which a joint moves; all
+positions and poses of the tables are in that frame (m).  Pairs of bodies of the same two links or
+objects are a group; they are consecutive.
+"""
+
+from typing import Any, NamedTuple
+
+from numba import types
+
+from robomech_ros._kernels.compiling.types import IIN1, IN2, IOUT1, OUT1, OUT2
+
+
+class Tables(NamedTuple):
+    """Bodies of a scene, and the pairs of them that may not touch.
+
+    Attributes
+    ----------
+    joints : ndarray, shape (m, 17)
+        The tree of joints; see `shapes`.
+    bodies : ndarray, shape (b, 8)
+        Frame, first sphere and the one after the last, kind of the simple shape that the body is
+        or lies in (``SPHERES`` for none), 1 if it is exactly that shape, first corner, radius, and
+        the kind of its hull; see `hulls`.
+    around : ndarray, shape (b, 4)
+        Centre and radius of a sphere around the body.
+    spheres : ndarray, shape (s, 8)
+        Centre and radius of a covering sphere, then of an inner one.
+    shapes : ndarray, shape (b, 15)
+        Pose and sizes of the simple shape.
+    placed : ndarray, shape (b, 12)
+        Pose of the body.
+    pairs : ndarray, shape (p, 5)
+        Two bodies, the first of which has spheres; the frame before the first joint that moves
+        them against each other; padding (m), which counts as distance lost; group.
+    corners : ndarray, shape (k, 5)
+        Corners of the hulls, and their ranges in ``neighbours``; see `hulls`.
+    neighbours : ndarray of int, shape (e,)
+    axes : ndarray, shape (p, 5)
+        Start of the next search for a plane between a pair; see `hulls`.
+    grids : ndarray, shape (g, 5)
+        Cells of each group; see `grids`.
+    cells : ndarray, shape (c,)
+        Known bounds of distances (m); see `grids`.
+    """
+
+    joints: Any
+    bodies: Any
+    around: Any
+    spheres: Any
+    shapes: Any
+    placed: Any
+    pairs: Any
+    corners: Any
+    neighbours: Any
+    axes: Any
+    grids: Any
+    cells: Any
+
+
+class NearPairs(NamedTuple):
+    """Pairs that need exact distances, the nearest bound first.
+
+    Attributes
+    ----------
+    pairs : ndarray of int, shape (p,)
+    low : ndarray, shape (p,)
+        Lower bounds of their distances (m).
+    poses : ndarray, shape (2 p, 12)
+        Poses of both bodies of each pair in the base (m).
+    """
+
+    pairs: Any
+    low: Any
+    poses: Any
+
+
+TABLES = types.NamedTuple((IN2, IN2, IN2, IN2, IN2, IN2, IN2, IN2, IIN1, OUT2, IN2, OUT1), Tables)
+NEAR_PAIRS = types.NamedTuple((IOUT1, OUT1, OUT2), NearPairs)
