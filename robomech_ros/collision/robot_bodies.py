@@ -105,6 +105,19 @@ def _row(frame: int, slides: float, gains: tuple[int, float, float], pose: Array
     return np.array([frame, slides, *gains, *pose[:3, :3].ravel(), *pose[:3, 3]])
 
 
+def pose_of_link(places: LinkPlaces, link: str, q: Array) -> Array:
+    """Return the pose (4, 4) of a link in the base at drives q (n,) (m)."""
+    from robomech_ros._kernels.collision.bounds import frames_at
+
+    place = places.links[link]
+    frames = np.empty((len(places.joints) + 1, 12))
+    frames_at(places.joints, q, frames)
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = frames[place.frame, :9].reshape(3, 3), frames[place.frame, 9:]
+    result: Array = pose @ place.pose
+    return result
+
+
 def as_row(pose: Array) -> Array:
     """Return a pose (4, 4) as the twelve numbers of the kernels."""
     return np.append(pose[:3, :3].ravel(), pose[:3, 3])

@@ -7,26 +7,37 @@ from collections.abc import Iterable, Mapping
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.collision.distances import Clearance, Distances, PlacedBody
+from robomech_ros.collision.distances import Clearance, Distances, checked_clearance
 from robomech_ros.collision.motion_proof import MotionCheck, check_motion
+from robomech_ros.collision.placed_bodies import (
+    PlacedBody,
+    place_robot,
+    place_world,
+    reason_to_ignore,
+)
 from robomech_ros.collision.planning import PathPlan, PlanRequest, plan_path
-from robomech_ros.collision.robot_bodies import adjacent_links, link_bodies, place_links
+from robomech_ros.collision.robot_bodies import (
+    adjacent_links,
+    link_bodies,
+    place_links,
+    pose_of_link,
+)
 from robomech_ros.collision.scene_objects import (
     SceneObject,
     Shapes,
-    around_object,
     as_object_pose,
     carried_by,
     read_parts,
 )
+from robomech_ros.collision.scene_robot import POSTURES, chain_of, semantic_of, touching_pairs
 from robomech_ros.errors import BadValueError, UnknownLinkError
 from robomech_ros.kinematics.joint_values import as_finite_values
-from robomech_ros.robots import load_robot, load_srdf
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.entry_checks import bare_link, check_name
@@ -35,10 +46,7 @@ from robomech_ros.spatial import inverse_pose
 from robomech_ros.spatial.arrays import finite_within, listed
 from robomech_ros.typing import Array, BoolArray
 
-# Random postures at all of which a pair must touch to count as built that way.
-_POSTURES = 64
 LARGEST_PADDING = 1.0
-_NO_SPHERES = np.empty((0, 8))
 
 
 class PlanningScene:
@@ -82,7 +90,7 @@ class PlanningScene:
         srdf: SemanticDescription | str | os.PathLike[str] | None = None,
         padding: float = 0.0,
     ) -> None:
-        self.chain = _chain(robot, base, tip)
+        self.chain = chain_of(robot, base, tip)
         expected = f"0 to {LARGEST_PADDING:g} m"
         self.padding = finite_within("padding", padding, expected, 0.0, LARGEST_PADDING)
         self._others: dict[str, float] = {}
@@ -91,7 +99,7 @@ class PlanningScene:
         self._links, self.unchecked = link_bodies(self.chain.description)
         self._allowed: dict[frozenset[str], str] = {}
         self._places = place_links(self.chain, self._others)
-        self._ignore(_semantic(srdf, self.chain.description))
+        self._ignore(semantic_of(srdf, self.chain.description))
 
     def copy(self) -> PlanningScene:
         """Return a scene of the same robot and objects, that later changes leave as it is."""
@@ -129,14 +137,8 @@ class PlanningScene:
     @property
     def ignored(self) -> dict[tuple[str, str], str]:
         """Pairs of bodies that are not checked, and why."""
-        found = {}
-        names = self.bodies
-        for i, first in enumerate(names):
-            for second in names[i + 1 :]:
-                why = self._reason(first, second)
-                if why:
-                    found[first, second] = why
-        return found
+        pairs = {pair: self._reason(*pair) for pair in combinations(self.bodies, 2)}
+        return {pair: why for pair, why in pairs.items() if why}
 
     def add(
         self,
@@ -263,15 +265,7 @@ class PlanningScene:
 
     def link_pose(self, link: str, q: npt.ArrayLike) -> Array:
         """Return the pose (4, 4) of a link in the base at q (n,) (m)."""
-        from robomech_ros._kernels.collision.bounds import frames_at
-
-        place = self._places.links[self._known(link)]
-        frames = np.empty((len(self._places.joints) + 1, 12))
-        frames_at(self._places.joints, as_finite_values(self.chain, q), frames)
-        pose = np.eye(4)
-        pose[:3, :3], pose[:3, 3] = frames[place.frame, :9].reshape(3, 3), frames[place.frame, 9:]
-        result: Array = pose @ place.pose
-        return result
+        return pose_of_link(self._places, self._known(link), as_finite_values(self.chain, q))
 
     def clearance(self, q: npt.ArrayLike) -> Clearance:
         """Find the least distance between bodies that may not touch.
@@ -373,45 +367,18 @@ class PlanningScene:
     @cached_property
     def distances(self) -> Distances:
         """Distances of all pairs that are checked, as the scene is now."""
-        links = self._places.links
-        placed = []
-        for link, body, pose, spheres, around in self._links:
-            place = links[link]
-            placed.append(PlacedBody(link, place.frame, place.pose @ pose, body, spheres, around))
-        world = []
-        for one in self._objects.values():
-            for k, (_, body, pose) in enumerate(one.parts):
-                if one.link:
-                    place = links[one.link]
-                    there = place.pose @ one.pose @ pose
-                    cover = one.covers[k]
-                    placed.append(PlacedBody(one.name, place.frame, there, body, *cover, True))
-                else:
-                    there = one.pose @ pose
-                    world.append(
-                        PlacedBody(one.name, 0, there, body, _NO_SPHERES, around_object(body))
-                    )
+        links, objects = self._places.links, self._objects.values()
+        placed = [*place_robot(self._links, links, objects), *place_world(objects)]
 
         def checked(first: PlacedBody, second: PlacedBody) -> bool:
             return first.owner != second.owner and not self._reason(first.owner, second.owner)
 
-        return Distances(
-            self._places.joints, [*placed, *world], checked, self.padding, self._known_bounds
-        )
+        return Distances(self._places.joints, placed, checked, self.padding, self._known_bounds)
 
     def _reason(self, first: str, second: str) -> str:
         """Say why two bodies are not checked; empty if they are."""
-        why = self._allowed.get(frozenset((first, second)))
-        if why:
-            return why
-        frames = []
-        for name, other in ((first, second), (second, first)):
-            one = self._objects.get(name)
-            link = one.link if one is not None else name
-            if one is not None and one.link and (other == one.link or other in one.touch_links):
-                return "a link may touch what it carries"
-            frames.append(self._places.links[link].frame if link else 0)
-        return "nothing moves them against each other" if frames[0] == frames[1] else ""
+        allowed = self._allowed.get(frozenset((first, second)))
+        return allowed or reason_to_ignore(first, second, self._objects, self._places.links)
 
     def _ignore(self, semantic: SemanticDescription | None) -> None:
         """Ignore pairs that the SRDF names, adjacent ones, and those that always touch."""
@@ -422,17 +389,9 @@ class PlanningScene:
         for pair in adjacent_links(self.chain.description, with_shapes):
             self._allowed.setdefault(pair, "adjacent")
         self._changed()
-        chain, found = self.chain, self.distances
-        lower = np.where(np.isfinite(chain.lower), chain.lower, -np.pi)
-        upper = np.where(np.isfinite(chain.upper), chain.upper, np.pi)
-        always = set(range(len(found.numbers)))
-        for q in np.random.default_rng(0).uniform(lower, upper, (_POSTURES, chain.n)):
-            if not always:
-                break
-            always &= found.contacts(q, always).keys()
-        for number in always:
-            why = f"in contact at all of {_POSTURES} random postures"
-            self._allowed.setdefault(frozenset(found.names(number)), why)
+        for names in touching_pairs(self.chain, self.distances):
+            why = f"in contact at all of {POSTURES} random postures"
+            self._allowed.setdefault(frozenset(names), why)
         self._changed()
 
     def _change(self, objects: dict[str, SceneObject]) -> None:
@@ -453,28 +412,3 @@ class PlanningScene:
         if bare_link(link) not in self._places.links:
             raise UnknownLinkError(bare_link(link), self._places.links)
         return bare_link(link)
-
-
-def checked_clearance(value: float) -> float:
-    """Check a distance that bodies must keep (m)."""
-    return finite_within("clearance", value, "0 to 10 m", 0.0, 10.0)
-
-
-def _chain(robot: Any, base: str | None, tip: str | None) -> SerialChain:
-    if isinstance(robot, SerialChain):
-        if base or tip:
-            raise BadValueError(
-                "base and tip", (base, tip), "none beside a chain, which has its own"
-            )
-        return robot
-    if isinstance(robot, RobotDescription):
-        return robot.chain(base, tip)
-    return load_robot(robot, base, tip)
-
-
-def _semantic(given: Any, description: RobotDescription | None) -> SemanticDescription | None:
-    if given is None or isinstance(given, SemanticDescription):
-        return given
-    if description is None:
-        raise BadValueError("srdf", given, "none for a chain without a description")
-    return load_srdf(given, description)

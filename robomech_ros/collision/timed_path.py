@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from robomech_ros.collision.scene import PlanningScene, checked_clearance
+from robomech_ros.collision.distances import checked_clearance
+from robomech_ros.collision.scene import PlanningScene
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinematics.joint_values import as_finite_values
 from robomech_ros.trajectory import (

@@ -1,0 +1,51 @@
+"""The robot of a scene: its chain, its SRDF, and pairs of links that always touch."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from robomech_ros.collision.distances import Distances
+from robomech_ros.errors import BadValueError
+from robomech_ros.robots import load_robot, load_srdf
+from robomech_ros.robots.chain import SerialChain
+from robomech_ros.robots.description import RobotDescription
+from robomech_ros.robots.semantic import SemanticDescription
+
+# Random postures at all of which a pair must touch to count as built that way.
+POSTURES = 64
+
+
+def chain_of(robot: Any, base: str | None, tip: str | None) -> SerialChain:
+    """Return the chain of a scene; see `PlanningScene`."""
+    if isinstance(robot, SerialChain):
+        if base or tip:
+            raise BadValueError(
+                "base and tip", (base, tip), "none beside a chain, which has its own"
+            )
+        return robot
+    if isinstance(robot, RobotDescription):
+        return robot.chain(base, tip)
+    return load_robot(robot, base, tip)
+
+
+def semantic_of(given: Any, description: RobotDescription | None) -> SemanticDescription | None:
+    """Return the SRDF of a scene, read for its robot; None if there is none."""
+    if given is None or isinstance(given, SemanticDescription):
+        return given
+    if description is None:
+        raise BadValueError("srdf", given, "none for a chain without a description")
+    return load_srdf(given, description)
+
+
+def touching_pairs(chain: SerialChain, distances: Distances) -> list[tuple[str, str]]:
+    """Return the names of the pairs of bodies that touch at all of some random postures."""
+    lower = np.where(np.isfinite(chain.lower), chain.lower, -np.pi)
+    upper = np.where(np.isfinite(chain.upper), chain.upper, np.pi)
+    always = set(range(len(distances.numbers)))
+    for q in np.random.default_rng(0).uniform(lower, upper, (POSTURES, chain.n)):
+        if not always:
+            break
+        always &= distances.contacts(q, always).keys()
+    return [distances.names(number) for number in always]
