@@ -29,9 +29,9 @@ class Clearance(NamedTuple):
     Attributes
     ----------
     distance : float
-        m; negative where they overlap, by the depth.
+        m; minus the depth if they overlap.
     bodies : tuple of str
-        The two links or objects; empty names where there are none that could touch.
+        The two links or objects; empty names if no pair is checked.
     points : ndarray, shape (2, 3)
         The nearest (or deepest) points of both, in the base (m).
     """
@@ -42,20 +42,20 @@ class Clearance(NamedTuple):
 
 
 class Distances:
-    """Distances between pairs of bodies, as numbers for the kernels and as geometries of coal.
+    """Distances between pairs of bodies, by kernels and by coal.
 
     Parameters
     ----------
     joints : ndarray, shape (m, 17)
         The tree of joints; see `robot_bodies`.
     placed : sequence of PlacedBody
-        Those with spheres first.
+        Bodies with spheres first.
     checked : callable
-        Whether a pair of two of them is looked at.
+        Tells whether a pair of bodies is checked.
     padding : float
-        By how much links count as wider against objects (m).
+        Enlargement of links against objects (m).
     known : dict
-        Bounds of distances between links, which other scenes of the robot share.
+        Bounds of distances between links; all scenes of the robot share them.
     """
 
     def __init__(
@@ -97,7 +97,7 @@ class Distances:
         return None
 
     def within(self, pair: int, distance: float, turns: Array, origins: Array, row: int) -> bool:
-        """Whether a pair whose poses are two rows of an array is as near as a distance (m)."""
+        """Return whether a pair with poses in two rows of arrays is within a distance (m)."""
         if self.of_hulls(pair, turns, origins, row) > distance:
             return False
         return pair not in self._surfaces or self.surfaces_within(
@@ -140,6 +140,14 @@ class Distances:
                 )
         return Clearance(least, self.names(best) if best >= 0 else ("", ""), points)
 
+    def nearest_in_batch(self, rows: Array) -> Clearance:
+        """Find the least distances at drives (..., n), as arrays."""
+        found = [self.nearest(row) for row in rows.reshape(-1, rows.shape[-1])]
+        shape = rows.shape[:-1]
+        distances = np.array([one.distance for one in found]).reshape(shape)
+        points = np.array([one.points for one in found]).reshape(*shape, 2, 3)
+        return Clearance(distances, [one.bodies for one in found], points)  # type: ignore[arg-type]
+
     def names(self, pair: int) -> tuple[str, str]:
         """Name the two bodies of a pair."""
         a, b = self.numbers[pair].tolist()
@@ -157,9 +165,9 @@ class Distances:
         return found
 
     def exact(self, pair: int, turns: Array, origins: Array, row: int) -> float:
-        """Compute the distance of a pair (m) whose poses are two rows of an array of poses.
+        """Compute the distance of a pair (m) with poses in two rows of arrays.
 
-        It is that of the convex hulls, or where these overlap and the surfaces do not, theirs.
+        It is that of the convex hulls; if only these overlap, it is that of the surfaces.
         """
         distance = self.of_hulls(pair, turns, origins, row)
         if distance > 0.0 or pair not in self._surfaces:
@@ -188,13 +196,13 @@ class Distances:
         return distance - self.padding[pair]
 
     def has_surfaces(self, pair: int) -> bool:
-        """Whether one of a pair is a mesh that is not convex."""
+        """Return whether one body of a pair is a mesh that is not convex."""
         return pair in self._surfaces
 
     def surfaces_within(
         self, pair: int, distance: float, turns: Array, origins: Array, row: int
     ) -> bool:
-        """Whether the surfaces of a pair, as `of_hulls` has put them, are as near as this (m)."""
+        """Return whether surfaces of a pair, placed by `of_hulls`, are within a distance (m)."""
         function = self._surfaces[pair][1]
         self._contact_request.security_margin = distance + self.padding[pair]
         self._contact_result.clear()
@@ -210,7 +218,7 @@ class Distances:
 
     @cached_property
     def padding(self) -> list[float]:
-        """By how much (m) each pair counts as nearer than it is."""
+        """Padding of each pair (m), which its distance lacks."""
         padding: list[float] = self.tables.pairs[:, 3].tolist()
         return padding
 

@@ -22,12 +22,7 @@ from robomech_ros.collision.placed_bodies import (
     reason_to_ignore,
 )
 from robomech_ros.collision.planning import PathPlan, PlanRequest, plan_path
-from robomech_ros.collision.robot_bodies import (
-    adjacent_links,
-    link_bodies,
-    place_links,
-    pose_of_link,
-)
+from robomech_ros.collision.robot_bodies import link_bodies, place_links, pose_of_link
 from robomech_ros.collision.scene_objects import (
     SceneObject,
     Shapes,
@@ -35,7 +30,7 @@ from robomech_ros.collision.scene_objects import (
     carried_by,
     read_parts,
 )
-from robomech_ros.collision.scene_robot import POSTURES, chain_of, semantic_of, touching_pairs
+from robomech_ros.collision.scene_robot import chain_of, ignored_links, touching_pairs
 from robomech_ros.errors import BadValueError, UnknownLinkError
 from robomech_ros.kinematics.joint_values import as_finite_values
 from robomech_ros.robots.chain import SerialChain
@@ -59,13 +54,13 @@ class PlanningScene:
     Parameters
     ----------
     robot : SerialChain, RobotDescription, str or path
-        A chain, or what a chain is taken of (see `load_robot`).
+        A chain, or the source of one (see `load_robot`).
     base, tip : str, optional
-        Ends of the chain, where the robot is none.  All poses are in the base.
+        Ends of the chain, unless the robot is one.  All poses are in the base.
     srdf : SemanticDescription, str or path, optional
-        Its pairs of links are not checked.
+        Its disabled pairs of links are not checked.
     padding : float
-        By how much links count as wider against objects (m).
+        Enlargement of links against objects (m).
 
     Raises
     ------
@@ -97,12 +92,14 @@ class PlanningScene:
         self._objects: dict[str, SceneObject] = {}
         self._known_bounds: dict[bytes, Array] = {}
         self._links, self.unchecked = link_bodies(self.chain.description)
-        self._allowed: dict[frozenset[str], str] = {}
         self._places = place_links(self.chain, self._others)
-        self._ignore(semantic_of(srdf, self.chain.description))
+        with_shapes = {link for link, *_ in self._links}
+        self._allowed = ignored_links(self.chain.description, srdf, with_shapes)
+        self._allowed.update(touching_pairs(self.chain, self.distances))
+        self._changed()
 
     def copy(self) -> PlanningScene:
-        """Return a scene of the same robot and objects, that later changes leave as it is."""
+        """Return an independent scene of the same robot and objects."""
         other = copy(self)
         other._others, other._objects = dict(self._others), dict(self._objects)
         other._allowed = dict(self._allowed)
@@ -111,7 +108,7 @@ class PlanningScene:
 
     @property
     def has_geometry(self) -> bool:
-        """Whether any link of the robot has a shape: else nothing is checked."""
+        """Whether any link of the robot has a shape; without one nothing is checked."""
         return bool(self._links)
 
     @property
@@ -131,12 +128,12 @@ class PlanningScene:
 
     @property
     def objects(self) -> Mapping[str, SceneObject]:
-        """The objects by name, those that links carry among them."""
+        """Objects by name, attached ones included."""
         return dict(self._objects)
 
     @property
     def ignored(self) -> dict[tuple[str, str], str]:
-        """Pairs of bodies that are not checked, and why."""
+        """Reason for each pair of bodies that is not checked."""
         pairs = {pair: self._reason(*pair) for pair in combinations(self.bodies, 2)}
         return {pair: why for pair, why in pairs.items() if why}
 
@@ -153,14 +150,14 @@ class PlanningScene:
         Parameters
         ----------
         name : str
-            None of a link or of another object.
+            Not the name of a link or of another object.
         shape : Shape or sequence of (Shape, pose)
             One shape, or several and their poses (4, 4) in the object (m).
         pose : array_like, shape (4, 4), optional
-            In the frame (m); by default there is the frame's own.
+            Pose in the frame (m), by default the identity.
         frame : str, optional
             A link, by default the base of the chain.  A link that the chain moves carries the
-            object from now on, as `attach` has it.
+            object from now on, as after `attach`.
         """
         check_name("name", name)
         if name in self._objects or name in self._places.links:
@@ -201,10 +198,10 @@ class PlanningScene:
         touch_links : iterable of str
             Links besides this one that may touch it, such as the fingers.
         pose : array_like, shape (4, 4), optional
-            Of the object in the link (m).
+            Pose of the object in the link (m).
         q : array_like, shape (n,), optional
-            Where the robot stands, if the object stays where it is in the base.  Without it and
-            without a pose, the object's pose is taken to be one in the link.
+            Posture (rad or m) at which the object keeps its pose in the base.  Without q and
+            pose, the present pose of the object counts as one in the link.
         """
         found = self._object(name)
         carried = carried_by(self._known(link), found)
@@ -217,7 +214,7 @@ class PlanningScene:
         self._change({**self._objects, name: attached})
 
     def detach(self, name: str, *, q: npt.ArrayLike | None = None) -> None:
-        """Put an object back into the world: where it is at q (n,), or at its pose as it stands."""
+        """Release an object where it is at posture q (n,), or with its pose unchanged."""
         found = self._object(name)
         if not found.link:
             raise BadValueError("object", name, "one that a link carries")
@@ -235,12 +232,12 @@ class PlanningScene:
         self._changed()
 
     def forbid(self, first: str, second: str) -> None:
-        """Look at two bodies again that were allowed to touch."""
+        """Check two bodies again that were allowed to touch."""
         self._allowed.pop(frozenset((first, second)), None)
         self._changed()
 
     def set_other_joints(self, positions: Mapping[str, float]) -> None:
-        """Say where joints stand that are none of the chain, such as those of fingers (rad, m)."""
+        """Set the values of joints outside the chain, such as those of fingers (rad, m)."""
         own = [name for name in positions if name in self.chain.joint_names]
         if own:
             raise BadValueError("joint", own[0], "one that is none of the chain")
@@ -250,11 +247,10 @@ class PlanningScene:
         self._changed()
 
     def load(self, scene: Mapping[str, Any] | str | os.PathLike[str]) -> None:
-        """Add what a scene of MoveIt holds, from a file or a mapping in its layout.
+        """Add a scene of MoveIt, from a file or a mapping in its layout, as a whole or not at all.
 
-        It has ``world.collision_objects``, ``robot_state.attached_collision_objects`` and
-        ``allowed_collision_matrix``, each of which may be missing.  It is added as a whole, or not
-        at all.
+        Sections: ``world.collision_objects``, ``robot_state.attached_collision_objects`` and
+        ``allowed_collision_matrix``; each may be missing.
         """
         from robomech_ros.collision.scene_files import load_scene
 
@@ -278,17 +274,10 @@ class PlanningScene:
         Returns
         -------
         Clearance
-            Of a batch arrays: distances (m,), a list of pairs of names, points (m, 2, 3).
+            For a batch: distances (m,), a list of pairs of names, points (m, 2, 3).
         """
-        rows = as_finite_values(self.chain, q)
-        if rows.ndim == 1:
-            return self.distances.nearest(rows)
-        flat = rows.reshape(-1, self.chain.n)
-        found = [self.distances.nearest(row) for row in flat]
-        shape = rows.shape[:-1]
-        distances = np.array([one.distance for one in found]).reshape(shape)
-        points = np.array([one.points for one in found]).reshape(*shape, 2, 3)
-        return Clearance(distances, [one.bodies for one in found], points)  # type: ignore[arg-type]
+        rows, distances = as_finite_values(self.chain, q), self.distances
+        return distances.nearest(rows) if rows.ndim == 1 else distances.nearest_in_batch(rows)
 
     def is_free(self, q: npt.ArrayLike, *, clearance: float = 0.0) -> bool | BoolArray:
         """Tell whether all bodies are farther apart than a clearance (m).
@@ -296,15 +285,14 @@ class PlanningScene:
         Parameters
         ----------
         q : array_like, shape (n,) or (m, n)
-            Joint values (rad or m); of a batch an array of bool comes back.
+            Joint values (rad or m); a batch gives an array of bool.
         clearance : float
+            m.
         """
         rows, least = as_finite_values(self.chain, q), checked_clearance(clearance)
-        if rows.ndim == 1:
-            return self.distances.contact(rows, least) is None
         flat = rows.reshape(-1, self.chain.n)
         free = [self.distances.contact(row, least) is None for row in flat]
-        return np.array(free, dtype=bool).reshape(rows.shape[:-1])
+        return free[0] if rows.ndim == 1 else np.array(free, dtype=bool).reshape(rows.shape[:-1])
 
     def check_motion(self, motion: Any, *, clearance: float = 0.0) -> MotionCheck:
         """Prove that a motion is free of contact, between its samples too.
@@ -312,16 +300,16 @@ class PlanningScene:
         Parameters
         ----------
         motion : array_like, shape (m, n), or path or trajectory
-            Waypoints joined by straight lines in joint space (rad or m), or what this library
-            plans: a joint path, a trajectory, its samples, or a piecewise polynomial.
+            Waypoints joined by straight lines in joint space (rad or m), a joint path, a
+            trajectory, its samples, or a piecewise polynomial.
         clearance : float
-            What bodies must be farther apart than (m).
+            Distance that bodies must exceed (m).
 
         Returns
         -------
         MotionCheck
-            Free and certified; or the first contact; or, where bodies pass each other by less
-            than a hundredth of a millimetre, neither contact nor proof.
+            Free and certified, or the first contact.  Bodies that pass each other by less than
+            a hundredth of a millimetre may give neither contact nor proof.
         """
         return check_motion(self.chain, self.distances, motion, checked_clearance(clearance))
 
@@ -345,16 +333,16 @@ class PlanningScene:
             Joint values (rad or m).  A plan may leave a start in contact while the distance
             grows.  A joint outside its limits by rounding, at most 1e-5, starts at the limit.
         goals : array_like, shape (n,), (k, n) or (4, 4)
-            A posture, some of which one is enough, or a pose of the tip (m): of all its postures
-            one is enough.
+            One posture, alternative postures, or a pose of the tip (m), for which any of its
+            postures is a goal.
         timeout : float
             s.
         seed : int
-            Of the random samples.
+            Seed of the random samples.
         clearance : float
-            What bodies must be farther apart than (m).
+            Distance that bodies must exceed (m).
         planner : str
-            One of OMPL: RRTConnect, and others of `PLANNERS`.
+            A planner of OMPL out of `PLANNERS`.
 
         Raises
         ------
@@ -366,7 +354,7 @@ class PlanningScene:
 
     @cached_property
     def distances(self) -> Distances:
-        """Distances of all pairs that are checked, as the scene is now."""
+        """Distances of all checked pairs of the present scene."""
         links, objects = self._places.links, self._objects.values()
         placed = [*place_robot(self._links, links, objects), *place_world(objects)]
 
@@ -376,23 +364,9 @@ class PlanningScene:
         return Distances(self._places.joints, placed, checked, self.padding, self._known_bounds)
 
     def _reason(self, first: str, second: str) -> str:
-        """Say why two bodies are not checked; empty if they are."""
+        """Return the reason why two bodies are not checked; empty if they are."""
         allowed = self._allowed.get(frozenset((first, second)))
         return allowed or reason_to_ignore(first, second, self._objects, self._places.links)
-
-    def _ignore(self, semantic: SemanticDescription | None) -> None:
-        """Ignore pairs that the SRDF names, adjacent ones, and those that always touch."""
-        for one in semantic.disabled_collisions if semantic else ():
-            why = f"disabled in the SRDF ({one.reason or 'no reason given'})"
-            self._allowed[frozenset((one.first, one.second))] = why
-        with_shapes = {link for link, *_ in self._links}
-        for pair in adjacent_links(self.chain.description, with_shapes):
-            self._allowed.setdefault(pair, "adjacent")
-        self._changed()
-        for names in touching_pairs(self.chain, self.distances):
-            why = f"in contact at all of {POSTURES} random postures"
-            self._allowed.setdefault(frozenset(names), why)
-        self._changed()
 
     def _change(self, objects: dict[str, SceneObject]) -> None:
         self._objects = objects

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from robomech_ros.collision.distances import Distances
+from robomech_ros.collision.robot_bodies import adjacent_links
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots import load_robot, load_srdf
 from robomech_ros.robots.chain import SerialChain
@@ -14,7 +15,7 @@ from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.semantic import SemanticDescription
 
 # Random postures at all of which a pair must touch to count as built that way.
-POSTURES = 64
+_POSTURES = 64
 
 
 def chain_of(robot: Any, base: str | None, tip: str | None) -> SerialChain:
@@ -30,7 +31,7 @@ def chain_of(robot: Any, base: str | None, tip: str | None) -> SerialChain:
     return load_robot(robot, base, tip)
 
 
-def semantic_of(given: Any, description: RobotDescription | None) -> SemanticDescription | None:
+def _semantic_of(given: Any, description: RobotDescription | None) -> SemanticDescription | None:
     """Return the SRDF of a scene, read for its robot; None if there is none."""
     if given is None or isinstance(given, SemanticDescription):
         return given
@@ -39,13 +40,28 @@ def semantic_of(given: Any, description: RobotDescription | None) -> SemanticDes
     return load_srdf(given, description)
 
 
-def touching_pairs(chain: SerialChain, distances: Distances) -> list[tuple[str, str]]:
-    """Return the names of the pairs of bodies that touch at all of some random postures."""
+def ignored_links(
+    description: RobotDescription | None, srdf: Any, with_shapes: set[str]
+) -> dict[frozenset[str], str]:
+    """Return the pairs of links to ignore, with the reasons: disabled in the SRDF, or adjacent."""
+    semantic = _semantic_of(srdf, description)
+    ignored: dict[frozenset[str], str] = {}
+    for one in semantic.disabled_collisions if semantic else ():
+        why = f"disabled in the SRDF ({one.reason or 'no reason given'})"
+        ignored[frozenset((one.first, one.second))] = why
+    for pair in adjacent_links(description, with_shapes):
+        ignored.setdefault(pair, "adjacent")
+    return ignored
+
+
+def touching_pairs(chain: SerialChain, distances: Distances) -> dict[frozenset[str], str]:
+    """Return the checked pairs of bodies that touch at all random postures, with the reason."""
     lower = np.where(np.isfinite(chain.lower), chain.lower, -np.pi)
     upper = np.where(np.isfinite(chain.upper), chain.upper, np.pi)
     always = set(range(len(distances.numbers)))
-    for q in np.random.default_rng(0).uniform(lower, upper, (POSTURES, chain.n)):
+    for q in np.random.default_rng(0).uniform(lower, upper, (_POSTURES, chain.n)):
         if not always:
             break
         always &= distances.contacts(q, always).keys()
-    return [distances.names(number) for number in always]
+    why = f"in contact at all of {_POSTURES} random postures"
+    return {frozenset(distances.names(number)): why for number in always}
