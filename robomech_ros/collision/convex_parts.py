@@ -9,7 +9,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from robomech_ros.typing import Array, BoolArray
 
-# A part is divided if that makes its hull smaller by this much of the whole volume.
+# Least reduction of the hulls by a cut, relative to the whole volume.
 _WORTH = 0.005
 # Parts are cut at these shares of their corners, along their three axes.
 _PLACES = (0.35, 0.5, 0.65)

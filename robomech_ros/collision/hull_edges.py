@@ -16,12 +16,13 @@ def joined(edges: Iterable[tuple[int, int]] | IntArray, count: int) -> IntArray:
     edges : sequence of two int
         The ends of each edge, in any order.
     count : int
-        How many corners there are.
+        Number of corners.
 
     Returns
     -------
     ndarray, shape (count + 1 + 2 e,)
-        Where the neighbours of each corner begin, and where they end; then the neighbours.
+        Index of the first neighbour of each corner, the end of the last range, and the
+        neighbours.
     """
     pairs = np.array(list(edges), dtype=np.int64).reshape(-1, 2)
     both = np.unique(np.concatenate([pairs, pairs[:, ::-1]]), axis=0)

@@ -15,7 +15,7 @@ from robomech_ros.collision.robot_bodies import as_row
 from robomech_ros.typing import Array, IntArray
 
 _NO_PAIRS = np.empty((0, 5))
-# Scenes of a robot that differ in joints beside the chain, whose bounds are kept.
+# Most scenes of a robot with kept bounds; they differ in joints beside the chain.
 _MOST_KNOWN = 4
 
 
@@ -72,7 +72,7 @@ def list_pairs(
     checked: Callable[[PlacedBody, PlacedBody], bool],
     padding: float,
 ) -> Array:
-    """List pairs of bodies that move against each other, and against which frame."""
+    """List the pairs (p, 5) of bodies that move against each other; see `Tables`."""
     above = {0: {0}}
     order: dict[int, list[int]] = {0: [0]}
     for i, parent in enumerate(joints[:, 0].astype(int).tolist()):
@@ -102,7 +102,7 @@ def group_grids(
     groups: list[int],
     known: dict[bytes, Array],
 ) -> tuple[Array, Array]:
-    """Return the grids (g, 5) of the groups of pairs, and their cells; see `_kernels`."""
+    """Return the grids (g, 5) of the groups of pairs, and their cells; see `Tables`."""
     numbers = pairs.astype(np.int64)
     grids, size = np.full((len(groups) - 1, 5), -1.0), 0
     chosen = [np.empty((0, 2), dtype=np.int64)]
@@ -142,7 +142,7 @@ def _two_drives(joints: Array, frames: tuple[int, int], common: int) -> list[int
 
 
 def _hulls(placed: Sequence[PlacedBody]) -> tuple[Array, IntArray]:
-    """Return the corners (k, 5) of all bodies in their frames, and which are neighbours."""
+    """Return the corners (k, 5) of all bodies in their frames, and their neighbours."""
     rows, neighbours, count, first = [np.empty((0, 5))], [np.empty(0, dtype=np.int64)], 0, 0
     for one in placed:
         size = len(one.body.corners)

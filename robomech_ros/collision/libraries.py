@@ -6,8 +6,8 @@ from typing import Any
 
 from robomech_ros.errors import RobomechError
 
-# Planners of OMPL that need no more than which motions are free.  PRM and PRMstar wait for ever:
-# their own thread asks Python whether time is up.
+# Planners of OMPL that need only a check of motions.  PRM and PRMstar would wait for ever: their
+# own thread asks Python whether time is up.
 PLANNERS = (
     "RRTConnect",
     "RRT",

@@ -34,13 +34,13 @@ _UNEVEN = 1e-6
 class Mesh(Shape):
     """Triangles, from a file or as arrays, and all that they enclose.
 
-    Distances are those of the convex hull where it is apart from the other body, else those of the
+    Distances are those of the convex hull if it is apart from the other body, else those of the
     triangles.
 
     Parameters
     ----------
     path_or_vertices : path or array_like, shape (k, 3)
-        A file that coal can read (STL, OBJ, DAE, PLY and more), or vertices (m).
+        A file in a format of coal (STL, OBJ, DAE, PLY and more), or vertices (m).
     faces : array_like of int, shape (m, 3), optional
         The vertices of each triangle.
     scale : array_like, shape (3,), optional
@@ -90,8 +90,7 @@ class Mesh(Shape):
     def parts(self) -> list[Body]:
         """Return convex bodies that hold all that the mesh encloses.
 
-        It is one, the hull, if the mesh is convex or small, or no closed surface, so that nobody
-        can say what it encloses.
+        A convex or small mesh, or one that is no closed surface, has a single part: its hull.
         """
         whole = self.body()
         triangles = whole.triangles
@@ -123,7 +122,7 @@ def _read(path: Path, scale: Array) -> Any:
     try:
         mesh = coal().MeshLoader().load(str(path), scale)
     except Exception as error:
-        # Its readers raise whatever their formats suggest.
+        # The readers of coal raise many types of exceptions.
         text = str(error).partition("message: ")[2].strip().replace("\n", "; ")
         raise MeshError(str(path), f"cannot be read ({text[:200]})") from None
     if not mesh.num_tris or not np.isfinite(mesh.vertices()).all():

@@ -36,19 +36,18 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.typing import Array
 
 _sweep, _group_part = direct(sweep), direct(group_part)
-# Hulls of bodies that move by less (m) are looked at where spheres do not decide, and coal looks at
-# those that move by less than the second length.
+# Travel (m) below which hulls decide what spheres do not, and travel below which coal does.
 _STEP, _FINE = 0.03, 1e-4
-# How far bodies move (m) between the postures at which a motion is looked at before its proof.
+# Travel of bodies (m) between the sampled postures of a motion before its proof.
 _LOOK = 0.015
-# Below this travel (m) a part is not halved any more, and a contact is found well enough.
+# Travel (m) below which a part is not halved any more, and one that locates a contact well enough.
 RESOLUTION = 1e-5
 _FIRST = 1e-4
-# A first contact is not looked for in parts of a piece that are shorter than this.
+# Shortest part of a piece in which a first contact is sought.
 _SHORTEST = 1e-6
-# Places for parts that are left to coal.
+# Number of open parts that one sweep may leave to coal.
 _PLACES = 4096
-# After so many parts that could not be proved, no contact is looked for behind them.
+# Number of unproved parts after which the search for a contact ends.
 _MOST_UNPROVED = 100
 
 
@@ -62,14 +61,14 @@ class MotionCheck(NamedTuple):
     certified : bool
         It is proved that there is none.
     parameter : float
-        Where the first contact is, or the first place that could not be proved: of waypoints the
-        index of the one before plus the part of the way to the next; of a path its coordinate (m);
-        of a trajectory the time (s).  NaN if certified.
+        The first contact, or the first place without a proof.  It is an index of waypoints with
+        a fraction, the coordinate of a path (m), or the time of a trajectory (s).  NaN if
+        certified.
     bodies : tuple of str
-        The two there.
+        The two bodies there.
     least : float
-        The least distance that was computed on the way (m): not above those at both ends of each
-        piece.
+        The least distance computed during the proof (m).  It does not exceed the distances at
+        both ends of each piece.
     """
 
     free: bool
@@ -113,7 +112,7 @@ class MotionProof:
     ----------
     distances : Distances
     clearance : float
-        What bodies must be farther apart than (m).
+        Distance that bodies must exceed (m).
     """
 
     def __init__(self, distances: Distances, clearance: float) -> None:
@@ -134,9 +133,9 @@ class MotionProof:
         self._turns, self._origins = rotations_and_origins(self._near)
 
     def obstruction(self, curve: Array, *, first: bool = True) -> Obstruction | None:
-        """Find where a curve, as Bernstein coefficients (d + 1, n), is not free; None if it is.
+        """Find a place where a curve of Bernstein coefficients (d + 1, n) is not free, or None.
 
-        With ``first`` that is the first such place, to a tenth of a millimetre of travel.
+        With ``first`` it is the first such place, to a tenth of a millimetre of travel.
         """
         if not len(self._all):
             return None
@@ -166,7 +165,7 @@ class MotionProof:
                 begin += span * at
 
     def seems_free(self, curve: Array) -> bool:
-        """Whether a curve is free wherever it is looked at, which proves nothing in between."""
+        """Return whether a curve is free at its sampled postures, without a proof in between."""
         if not len(self._all):
             return True
         self._limits[2:] = _LOOK, 1.0
@@ -183,7 +182,7 @@ class MotionProof:
         return status
 
     def _settled(self, curve: Array, count: int, first: bool) -> Obstruction | None:
-        """Look at the parts that spheres have left open, in their order."""
+        """Prove in their order the parts that spheres have left open, or find an obstruction."""
         best: Obstruction | None = None
         for k in range(count):
             begin, end = self._open.ends[k].tolist()
@@ -218,7 +217,7 @@ class MotionProof:
                 if first and found.travel >= _FIRST:
                     waiting.append((low, middle, tested))
             elif found.unclear and found.travel >= RESOLUTION:
-                # On a straight motion what is proved reaches as far to both sides as it goes.
+                # On a straight motion the proof extends equally far to both sides.
                 proved = half * found.share if straight else 0.0
                 left = np.array(found.unclear)
                 waiting += [(middle + proved, high, left), (low, middle - proved, left)]
@@ -230,7 +229,7 @@ class MotionProof:
         return best
 
     def _middle(self, count: int) -> _Middle:
-        """Look at pairs where `group_part` has put them."""
+        """Compute the distances of the pairs that `group_part` has found."""
         distances, unclear, largest, share = self._distances, list[int](), 0.0, 1.0
         for k in range(count):
             pair, travel = int(self._near.pairs[k]), float(self._travel[k])

@@ -11,7 +11,7 @@ from robomech_ros.trajectory.paths.tracking_result import PathCut, PathTrackingS
 if TYPE_CHECKING:
     from robomech_ros.collision.scene import PlanningScene
 
-# How far before a contact a path ends (m along the path).
+# Distance between the end of a path and a contact (m along the path).
 _BEFORE = 1e-3
 
 
@@ -23,7 +23,7 @@ def stop_before_contact(scene: PlanningScene) -> Callable[[JointPath], PathCut |
     Parameters
     ----------
     scene : PlanningScene
-        Of the chain that follows the path.
+        Scene of the chain that follows the path.
     """
 
     def check(joints: JointPath) -> PathCut | None:

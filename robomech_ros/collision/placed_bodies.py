@@ -25,10 +25,10 @@ class PlacedBody(NamedTuple):
     frame : int
         The frame that it moves with; 0 for the base.
     pose : ndarray, shape (4, 4)
-        In that frame (m).
+        Pose in that frame (m).
     body : Body
     spheres : ndarray, shape (s, 8)
-        What covers it, in its own frame; without rows where it belongs to the world.
+        Spheres that cover it, in the frame of the body; no rows for a body of the world.
     around : ndarray, shape (4,)
     is_carried : bool
         Whether it is an object that a link carries.
@@ -69,7 +69,7 @@ def place_world(objects: Iterable[SceneObject]) -> Iterator[PlacedBody]:
 def reason_to_ignore(
     first: str, second: str, objects: Mapping[str, SceneObject], links: Mapping[str, LinkPlace]
 ) -> str:
-    """Say why a pair of links or objects needs no check as it is placed; empty if it does."""
+    """Return why a pair of links or objects needs no check as it is placed; empty if it does."""
     frames = []
     for name, other in ((first, second), (second, first)):
         one = objects.get(name)

@@ -30,9 +30,9 @@ _LOOKS = (0.5, 0.25, 0.75)
 _SLACK = 1e-6
 # Excess over a joint limit that counts as rounding (rad or m): pi is 3e-6 more than 3.14159.
 _ROUNDING = 1e-5
-# How a contact at the start is left: step (rad or m), the most steps, random directions of each.
+# Search out of a contact at the start: step (rad or m), most steps, random directions of each.
 _STEP, _STEPS, _DIRECTIONS = 0.02, 60, 24
-# The random numbers of OMPL are the process's.
+# All of a process share the random numbers of OMPL.
 _lock = threading.Lock()
 
 
@@ -47,7 +47,7 @@ class PlanStatus(Enum):
 
 
 class PlanRequest(NamedTuple):
-    """How to plan: time (s), seed of the random samples, clearance (m), and planner of OMPL."""
+    """Options of a plan: time (s), seed of the random samples, clearance (m), planner of OMPL."""
 
     timeout: float = 5.0
     seed: int = 0
@@ -62,18 +62,18 @@ class PathPlan(NamedTuple):
     Attributes
     ----------
     waypoints : ndarray, shape (m, n)
-        Joint values (rad or m), joined by straight lines; without rows where there is no path.
+        Joint values (rad or m), joined by straight lines; no rows if there is no path.
     certified : bool
-        The whole path is proved free of contact.  It is not where the start is in contact; what
-        follows after the robot has left it is proved then.
+        The whole path is proved free of contact.  After a start in contact only the rest of the
+        path is proved, and this is false.
     goal : int
-        Which of the goals is reached: of a pose, which of its postures as inverse kinematics
-        lists them; -1 where none is.
+        Index of the goal reached; for a pose, of its posture in the order of inverse kinematics.
+        -1 if there is no path.
     status : PlanStatus
     reason : str
-        In words what is wrong, or what is special; else empty.
+        The fault or a remark in words; else empty.
     seconds : float
-        How long it took.
+        Planning time (s).
     """
 
     waypoints: Array
@@ -131,7 +131,7 @@ def _unreached(request: PlanRequest, search: _Search, postures: Array, kept: lis
 
 
 class _Search:
-    """A search by OMPL whose motions are looked at, and those of the path that it finds proved."""
+    """A search by OMPL that samples motions, and proves those of the path that it finds."""
 
     def __init__(self, scene: Any, request: PlanRequest, deadline: float) -> None:
         self._scene, self._request, self._deadline = scene, request, deadline
@@ -140,7 +140,7 @@ class _Search:
         self._free: dict[tuple[float, ...], None] = {}
         self._certain: set[frozenset[tuple[float, ...]]] = set()
         self._is_first = request.planner == PLANNERS[0]
-        # Planners that use up their time leave none to go around what cannot be proved.
+        # Planners that use up their time leave none for detours, so they prove every motion.
         self._strict = not self._is_first
         self.tried = 0
 
@@ -164,7 +164,7 @@ class _Search:
         return (proved, goal) if proved is not None else (np.empty((0, len(start))), -1)
 
     def _proved(self, path: Array) -> Array | None:
-        """Go around what cannot be proved of a path, by motions that can."""
+        """Replace the pieces of a path without a proof by proved detours."""
         pieces, self._strict = [path[:1]], True
         for piece in (path[k : k + 2] for k in range(len(path) - 1)):
             found: Array | None = piece
@@ -183,7 +183,7 @@ class _Search:
         return ends in self._certain
 
     def passes(self, a: list[float], b: list[float]) -> bool:
-        """Whether the straight motion between two postures looks free, or is proved if it must."""
+        """Return whether a straight motion seems free or, in a strict search, is proved free."""
         self.tried += 1
         if tuple(b) in self._free:
             a, b = b, a
@@ -201,7 +201,7 @@ class _Search:
         return True
 
     def nearest(self, goals: Array) -> tuple[Array, float]:
-        """Find which posture that was reached is nearest to a goal, and how near."""
+        """Return the reached posture that is nearest to a goal, and its distance (rad or m)."""
         reached = np.array([q for q in self._free if not (goals == q).all(axis=1).any()])
         away = np.abs(reached[:, None] - goals).max(axis=2).min(axis=1)
         best = int(np.argmin(away))
@@ -216,7 +216,7 @@ class _Search:
         space = base.RealVectorStateSpace(n)
         space.setBounds(_bounds(self._scene.chain, np.vstack([start, goals])))
         information = base.SpaceInformation(space)
-        # All that is asked of states is asked of the motions that end at them.
+        # The motions that end at a state check it.
         information.setStateValidityChecker(lambda _: True)
         search = self
         entries = range(n)
@@ -258,7 +258,7 @@ def _state(space: Any, q: Array) -> Any:
 
 
 def _bounds(chain: SerialChain, known: Array) -> Any:
-    """Return the limits of all joints; without limits half a turn beyond what is known."""
+    """Return the limits of all joints; without limits half a turn beyond the known postures."""
     bounds = ompl().base.RealVectorBounds(chain.n)
     low, high = known.min(axis=0), known.max(axis=0)
     for i in range(chain.n):
@@ -279,7 +279,7 @@ def _within_limits(chain: SerialChain, q: Array, what: str) -> Array:
 
 
 def _postures(scene: Any, goals: npt.ArrayLike, start: Array) -> tuple[Array, str]:
-    """Return the postures (k, n) that are goals; where there are none, why."""
+    """Return the goal postures (k, n), and the reason if there are none."""
     chain = scene.chain
     given = real_array("goals", goals)
     if given.shape == (4, 4) and (chain.n != 4 or _is_pose(given)):
@@ -307,7 +307,7 @@ def _nearest_turns(chain: SerialChain, postures: Array, start: Array) -> Array:
 
 
 def _free_goals(scene: Any, postures: Array, clearance: float) -> tuple[list[int], str]:
-    """Return the numbers of the goals that are free; where there are none, the least depth."""
+    """Return the numbers of the free goals, and the least depth in words if there are none."""
     kept = [k for k, q in enumerate(postures) if scene.is_free(q, clearance=clearance)]
     if kept:
         return kept, ""
@@ -323,7 +323,7 @@ def in_words(bodies: tuple[str, str], distance: float) -> str:
 
 
 def _leave(scene: Any, start: Array, request: PlanRequest) -> tuple[list[Array], str]:
-    """Find steps out of a contact, on which the least distance grows; none where there are none."""
+    """Find steps out of a contact on which the least distance grows; none if they fail."""
     found = scene.clearance(start)
     contact = in_words(found.bodies, found.distance)
     random = np.random.default_rng(request.seed)

@@ -46,14 +46,14 @@ class LinkPlaces(NamedTuple):
 
 
 def place_links(chain: SerialChain, others: Mapping[str, float]) -> LinkPlaces:
-    """Find what moves with which drive of a chain, on it and beside it.
+    """Find the links that the drives of a chain move, on the chain and beside it.
 
     Parameters
     ----------
     chain : SerialChain
-        Its base is the frame of all that does not move.
+        Its base is the frame of all links that do not move.
     others : mapping of str to float
-        Where joints that are none of its drives stand (rad or m); others are at rest.
+        Values of joints other than its drives (rad or m); the remaining ones are at rest.
     """
     if chain.description is None:
         return _along_chain(chain)

@@ -23,7 +23,7 @@ _NUMBERS = {name: kind for kind, (name, _) in _PRIMITIVES.items()}
 
 
 def load_scene(scene: Any, given: Mapping[str, Any] | str | os.PathLike[str]) -> None:
-    """Add what a scene of MoveIt holds; see `PlanningScene.load`."""
+    """Add a scene of MoveIt; see `PlanningScene.load`."""
     folder = None
     if not isinstance(given, Mapping):
         path = Path(given).expanduser()

@@ -16,7 +16,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.spatial import as_pose
 from robomech_ros.typing import Array
 
-# Spheres that cover a body of the robot: more are nearer to its shape, and take longer.
+# Most spheres that cover a body of the robot: more fit its shape better, and take longer.
 MOST_SPHERES = 12
 _POINT = np.zeros(4)
 
@@ -35,7 +35,7 @@ class SceneObject:
     pose : ndarray, shape (4, 4)
         In the base, or in the link that carries it (m).
     link : str
-        What carries it; empty for an object of the world.
+        Link that carries it; empty for an object of the world.
     touch_links : frozenset of str
         Links that may touch it.
     covers : tuple of (ndarray, ndarray)
@@ -76,7 +76,7 @@ def as_object_pose(pose: npt.ArrayLike, what: str = "pose") -> Array:
 
 
 def carried_by(link: str, one: SceneObject) -> SceneObject:
-    """Return an object as a link carries it; planes, which have no end, are refused."""
+    """Return an object that a link carries; refuse planes, which are infinite."""
     if any(isinstance(shape, Plane) for shape, _, _ in one.parts):
         raise BadValueError("object", one.name, "one without planes, which have no end")
     return replace(one, link=link, covers=tuple(covered(body) for _, body, _ in one.parts))
@@ -86,13 +86,13 @@ def covered(body: Body, most: int = MOST_SPHERES) -> tuple[Array, Array]:
     """Return the spheres (s, 8) that cover a body, and one around it (4,); see `cover`."""
     spheres, around = cover(body.corners, body.radius, most)
     if body.surface is not None:
-        # What is inside the hull may be outside of the surface.
+        # A point inside the hull may be outside of the surface.
         spheres[:, 7] = -LARGEST
     return spheres, around
 
 
 def around_object(body: Body) -> Array:
-    """Return the sphere around an object: none is needed around a simple shape."""
+    """Return the sphere around an object; for a simple shape a point, since none is needed."""
     if body.exact:
         return _POINT
     middle = 0.5 * (body.corners.min(axis=0) + body.corners.max(axis=0))

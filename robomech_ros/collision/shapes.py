@@ -32,7 +32,7 @@ _CUBE = joined([(i, i ^ bit) for i in range(8) for bit in (1, 2, 4)], 8)
 
 
 class Body(NamedTuple):
-    """What distances of a shape are computed from, all in the frame of the shape (m).
+    """Geometry of a shape for the computation of distances, in the frame of the shape (m).
 
     Attributes
     ----------
@@ -40,20 +40,20 @@ class Body(NamedTuple):
     corners : ndarray, shape (k, 3)
         The body is inside their convex hull, or within ``radius`` of it.
     edges : ndarray of int
-        Which corners of the hull are neighbours; see `hull_edges`.
+        Neighbours of the corners of the hull; see `hull_edges`.
     radius : float
     kind : int
         The simple shape that the body is, or that is around it; see `_kernels.collision`.
     sizes : tuple of three float
-        Of that shape.
+        Sizes of that shape.
     pose : ndarray, shape (4, 4)
-        Of that shape.
+        Pose of that shape.
     exact : bool
         Whether the body is that shape.
     surface : coal.CollisionGeometry or None
-        Of an object's mesh that is not convex; it counts where the hull, ``geometry``, touches.
+        Surface of a mesh that is not convex; it counts if the hull, ``geometry``, touches.
     triangles : ndarray, shape (m, 3, 3), or None
-        Of that surface (m).
+        Triangles of that surface (m).
     """
 
     geometry: Any
@@ -69,13 +69,13 @@ class Body(NamedTuple):
 
     @property
     def hull_kind(self) -> float:
-        """What kernels may take the body for: the hull of its corners, a cylinder, or neither."""
+        """Kind of the body for the kernels: the hull of its corners, a cylinder, or neither."""
         if self.kind == CYLINDER and self.exact:
             return ROUND
         return HULL if self.kind in (BOX, BALL, CAPSULE) and self.surface is None else 0.0
 
     def encloses(self, point: Array) -> bool:
-        """Whether a surface of triangles goes around a point: by the solid angles it sees."""
+        """Return whether a surface of triangles encloses a point, by their solid angles."""
         if self.triangles is None:
             return False
         local = self.pose[:3, :3].T @ (point - self.pose[:3, 3])

@@ -7,9 +7,9 @@ from robomech_ros.typing import Array
 
 # Steps towards the centre of the smallest ball around points; the ball is exact for its centre.
 _BALL_STEPS = 60
-# A piece is cut no further once its ball is that small (m), or that little wider than it is thick.
+# Largest ball (m), and largest ratio of its width to the thickness, of a piece that is not cut.
 _SMALL, _ROUND = 0.02, 1.25
-# What rounding may do to points where a body is cut, in parts of its size.
+# Rounding error of points at a cut, relative to the size of the body.
 _ROUNDING = 1e-9
 
 
@@ -21,7 +21,7 @@ def cover(points: Array, radius: float, most: int) -> tuple[Array, Array]:
     points : ndarray, shape (k, 3)
         m.
     radius : float
-        By how much the body is wider than the hull (m).
+        Distance of the surface of the body from the hull (m).
     most : int
         The most spheres there may be.
 

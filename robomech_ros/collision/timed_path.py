@@ -30,9 +30,9 @@ from robomech_ros.trajectory.plans.point_to_point import (
 )
 from robomech_ros.typing import Array
 
-# How often waypoints are added where a smooth curve leaves the free space, before it stops at each.
+# Most rounds of added waypoints before the robot stops at each of them instead.
 _ROUNDS = 3
-# Where a waypoint is added on a straight piece, from both of its ends.
+# Place of an added waypoint on a straight piece, from either end.
 _NEAR_ENDS = 0.2
 
 
@@ -55,10 +55,10 @@ def timed_path(
 ) -> SampledPlan:
     """Time a path that is free of contact, and prove the curve that a controller makes of it.
 
-    The robot passes the waypoints on a smooth curve.  Where that would touch something, waypoints
-    are added on the straight lines between them; if that does not help, the robot stops at each.
-    Where the path begins in contact, as a plan may that leaves it, the robot stops at the first
-    waypoint that is free, and what follows is proved.
+    The robot passes the waypoints on a smooth curve.  If that would touch something, waypoints are
+    added on the straight lines between them; if that does not help, the robot stops at each.
+    If the path begins in contact, the robot stops at the first free waypoint, and only the rest is
+    proved.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def timed_path(
     profile : str
         As for `through_points`.
     clearance : float
-        What bodies must be farther apart than (m).
+        Distance that bodies must exceed (m).
     period : float
         Largest time between two samples (s).
     max_points : int
@@ -122,7 +122,7 @@ def timed_path(
 def _proved(
     scene: PlanningScene, points: Array, smooth: Callable[[Array], SampledPlan], clearance: float
 ) -> SampledPlan | None:
-    """Return a smooth motion along a path that is proved free; None if it must stop on its way."""
+    """Return a smooth motion along a path that is proved free; None if it needs stops."""
     found = scene.check_motion(points, clearance=clearance)
     if not found.certified:
         names = " and ".join(f"'{name}'" for name in found.bodies)
@@ -143,7 +143,7 @@ def _proved(
 
 
 def _joined(first: SampledPlan, second: SampledPlan, limits: Limits) -> SampledPlan:
-    """Put a motion behind another, at whose end the robot rests."""
+    """Append a motion to another that ends at rest."""
     one, other = first.waypoints, second.waypoints
     rows = [
         np.concatenate([getattr(one, name), getattr(other, name)[1:]])

@@ -12,9 +12,9 @@ from robomech_ros._kernels.collision.tables import NEAR_PAIRS, TABLES
 from robomech_ros._kernels.compiling.jit import flat, inline, kernel, lean
 from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, OUT2, i8
 
-# A pair is surely too near if spheres inside the bodies are, by more than rounding (m).
+# Overlap (m) of spheres inside two bodies beyond which they surely are too near.
 ROUNDING = 1e-9
-# By how much a distance that is computed, and not bounded by spheres, may be too large (m).
+# Most by which a computed distance, not a bound by spheres, may be too large (m).
 UNCERTAIN = 1e-6
 
 
@@ -235,7 +235,7 @@ def near_pairs(tables, q, nearest, limit, near):
     bounds = np.empty(count)
     most = _far_bounds(tables, centres, q, nearest, limit[0], bounds)
     if nearest:
-        # The pairs with the least bounds first: what they say leaves out most of the others.
+        # The pairs with the least bounds come first: they exclude most of the others.
         for p in range(count):
             if bounds[p] <= 0.0 or bounds[p] <= 0.25 * most:
                 most = min(most, _padded_bounds(tables, posture, p)[1])
