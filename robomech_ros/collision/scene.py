@@ -290,9 +290,11 @@ class PlanningScene:
             m.
         """
         rows, least = as_finite_values(self.chain, q), checked_clearance(clearance)
+        if rows.ndim == 1:
+            return self.distances.contact(rows, least) is None
         flat = rows.reshape(-1, self.chain.n)
         free = [self.distances.contact(row, least) is None for row in flat]
-        return free[0] if rows.ndim == 1 else np.array(free, dtype=bool).reshape(rows.shape[:-1])
+        return np.array(free, dtype=bool).reshape(rows.shape[:-1])
 
     def check_motion(self, motion: Any, *, clearance: float = 0.0) -> MotionCheck:
         """Prove that a motion is free of contact, between its samples too.
