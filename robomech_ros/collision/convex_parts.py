@@ -52,7 +52,7 @@ def convex_parts(triangles: Array, most: int) -> list[Array]:
 
 
 def is_closed(triangles: Array) -> bool:
-    """Whether each edge of a mesh (m, 3, 3) belongs to two triangles that run along it each way."""
+    """Return whether each edge of a mesh (m, 3, 3) joins two triangles of opposite direction."""
     flat = triangles.reshape(-1, 3)
     size = float(np.ptp(flat, axis=0).max())
     _, numbers = np.unique(np.round(flat / size, 6), axis=0, return_inverse=True)
@@ -85,7 +85,7 @@ def _best_cut(part: _Part) -> list[_Part]:
 
 
 def _cut(triangles: Array, axis: Array, height: float) -> list[_Part]:
-    """Cut a mesh at a plane; both halves get a face there, the hull of where it is cut."""
+    """Cut a mesh at a plane; both halves get a face there, the hull of the cut."""
     away = triangles @ axis - height
     crossing = (away > 0.0).any(axis=1) & (away < 0.0).any(axis=1)
     corners, heights = triangles[crossing], away[crossing]

@@ -99,7 +99,7 @@ class Mesh(Shape):
         return [_hull(corners) for corners in convex_parts(triangles, _MOST_PARTS)]
 
     def body(self) -> Body:
-        """Return the hull, and the surface where that is not convex."""
+        """Return the hull, with the surface if that is not convex."""
         vertices, faces = self.vertices, self.faces
         a, b, c = (vertices[faces[:, k]] for k in range(3))
         try:

@@ -52,7 +52,7 @@ _MOST_UNPROVED = 100
 
 
 class MotionCheck(NamedTuple):
-    """Whether a motion is free of contact.
+    """Result of the check of a motion.
 
     Attributes
     ----------

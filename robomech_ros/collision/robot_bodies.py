@@ -1,4 +1,4 @@
-"""The bodies of a robot: where its links are, their shapes, and pairs that need no check."""
+"""The bodies of a robot: poses of its links, their shapes, and pairs that need no check."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class LinkPlace(NamedTuple):
 
 
 class LinkPlaces(NamedTuple):
-    """The tree of joints (m, 17) that the drives of a chain move, and where the links are."""
+    """The tree of joints (m, 17) that the drives of a chain move, and the places of the links."""
 
     joints: Array
     links: dict[str, LinkPlace]

@@ -1,8 +1,9 @@
-"""Timing of a path around obstacles: a smooth curve where it stays free, proved as it is sent."""
+"""Timing of a path around obstacles: a smooth curve if possible, proved as it is sent."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -96,19 +97,16 @@ def timed_path(
         raise BadValueError("waypoints", points.shape, f"at least two, (m, {chain.n})")
     allowed = Limits.of(chain if limits is None else limits)
     scales = (velocity_scale, acceleration_scale, jerk_scale)
-
-    def smooth(places: Array) -> SampledPlan:
-        return sampled_through_points(
-            places,
-            limits=allowed,
-            profile=profile,
-            velocity_scale=velocity_scale,
-            acceleration_scale=acceleration_scale,
-            jerk_scale=jerk_scale,
-            period=period,
-            max_points=max_points,
-        )
-
+    smooth = partial(
+        sampled_through_points,
+        limits=allowed,
+        profile=profile,
+        velocity_scale=velocity_scale,
+        acceleration_scale=acceleration_scale,
+        jerk_scale=jerk_scale,
+        period=period,
+        max_points=max_points,
+    )
     left = int(np.argmax(scene.is_free(points, clearance=clearance)))
     rest = _proved(scene, points[left:], smooth, clearance)
     if rest is None:

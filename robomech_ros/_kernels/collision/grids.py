@@ -39,7 +39,7 @@ def _cell_number(grids, g, k, i):
 
 @lean
 def known_apart(grids, cells, g, q, keep):
-    """Whether a group is known to be farther apart than a distance (m) at drives q."""
+    """Return whether a group is known to be farther apart than a distance (m) at drives q."""
     if grids[g, 2] < 0.0:
         return False
     first, _ = _cell_range(q[int(grids[g, 0])], 0.0)

@@ -192,7 +192,7 @@ def _nearest_point(points, weights, size):
 
 @lean
 def is_exact(bodies, a, b):
-    """Whether the upper bounds of `hull_bounds` hold for a pair."""
+    """Return whether the upper bounds of `hull_bounds` hold for a pair."""
     return bodies[a, 7] > 0.0 and bodies[b, 7] > 0.0
 
 
