@@ -15,13 +15,17 @@ import numpy as np
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.timing import straight as time_straight
+from robomech_ros.errors import WrongSizeError
+from robomech_ros.spatial.arrays import LARGEST, real_array, real_within
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.trajectory.curves.motion_to_rest import settled
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
+from robomech_ros.trajectory.joint_points import check_numbers, joint_values
 from robomech_ros.trajectory.limits import RATES, Limits, Rate
 from robomech_ros.trajectory.profiles.laws import CUBIC, CYCLOIDAL, POLY345, POLY4567, Law
 from robomech_ros.trajectory.profiles.straight_motion import StraightMotion
 from robomech_ros.trajectory.sample import Sample, checked_times, held_outside
+from robomech_ros.trajectory.tolerances import SHORTEST_TRAJECTORY
 from robomech_ros.typing import Array, ArrayLike
 
 _M = TypeVar("_M", bound="RestToRest")
@@ -43,7 +47,18 @@ class RestToRest(StraightMotion):
     goal: Array
     duration: float
 
-    def __init__(self, start: Array, goal: Array, duration: float) -> None:
+    def __init__(self, start: ArrayLike, goal: ArrayLike, duration: float) -> None:
+        first = real_array("start", start).copy()
+        if first.ndim != 1 or not first.size:
+            raise WrongSizeError("start", first.shape, "(n,)")
+        last = joint_values("goal", goal, first.shape)
+        check_numbers("start", first)
+        check_numbers("goal", last)
+        expected = f"{SHORTEST_TRAJECTORY:g} s or more, and finite"
+        lasting = real_within("duration", duration, expected, SHORTEST_TRAJECTORY, LARGEST)
+        self._set(first, last, lasting)
+
+    def _set(self, start: Array, goal: Array, duration: float) -> None:
         # What a frozen dataclass does for this takes a sixth of the time of a whole plan.
         fields = self.__dict__
         fields["start"], fields["goal"], fields["duration"] = start, goal, duration
@@ -65,7 +80,10 @@ class RestToRest(StraightMotion):
 
     @classmethod
     def _lasting(cls: type[_M], start: Array, goal: Array, duration: float, shape: None) -> _M:
-        return cls(start, goal, duration)
+        # A plan has checked them.
+        motion = cls.__new__(cls)
+        motion._set(start, goal, duration)
+        return motion
 
     def sample(self, t: ArrayLike) -> Sample:
         """Sample positions and derivatives, (n,) or (m, n), at instants (s), () or (m,).

@@ -7,8 +7,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from robomech_ros.errors import DurationTooShortError, MissingLimitsError
-from robomech_ros.trajectory import Limits, Sample, point_to_point, spline_through, verify
+from robomech_ros.errors import DurationTooShortError, MissingLimitsError, RobomechError
+from robomech_ros.trajectory import (
+    Cycloidal,
+    Limits,
+    Polynomial345,
+    Polynomial4567,
+    Sample,
+    point_to_point,
+    spline_through,
+    verify,
+)
+from robomech_ros.trajectory.profiles.rest_to_rest import CubicSplineMotion
 
 GOLDEN = json.loads(
     (Path(__file__).parents[2] / "data" / "golden" / "ppo_profiles.json").read_text()
@@ -155,3 +165,21 @@ def test_the_law_of_cubic_spline_is_the_spline_through_both_points():
     instants = (np.arange(1000) + 0.5) / 1000 * motion.duration  # the jerk steps at breaks
     for one, other in zip(motion.sample(instants), spline.sample(instants), strict=True):
         np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-11)
+
+
+@pytest.mark.parametrize("law", [Polynomial345, Polynomial4567, Cycloidal, CubicSplineMotion])
+def test_a_motion_may_be_made_from_lists(law):
+    made, same = law([0, 1], [1, 1], 2), law(np.array([0.0, 1.0]), np.array([1.0, 1.0]), 2.0)
+    for one, other in zip(made.sample([0.0, 0.7, 2.0]), same.sample([0.0, 0.7, 2.0]), strict=True):
+        np.testing.assert_array_equal(one, other)
+    for wrong, text in (
+        (([0.0], [1.0, 2.0], 1.0), "goal has shape"),
+        ((0.0, 1.0, 1.0), "start has shape"),
+        (([], [], 1.0), "start has shape"),
+        ((["a"], [1.0], 1.0), "start is"),
+        (([0.0], [np.nan], 1.0), "goal"),
+        (([0.0], [1.0], 0.0), "duration is 0.0, expected 0.001 s or more"),
+        (([0.0], [1.0], np.inf), "duration is inf"),
+    ):
+        with pytest.raises(RobomechError, match=text):
+            law(*wrong)
