@@ -6,6 +6,7 @@ from fractions import Fraction
 from types import MappingProxyType
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.spatial.arrays import whole_number
 
 
 @dataclass(frozen=True)
@@ -44,10 +45,12 @@ class Gait:
         BadValueError
             The gait is not for this number of legs.
         """
-        if not isinstance(legs, int) or legs not in self.offsets:
-            known = " or ".join(map(str, self.offsets))
-            raise BadValueError(f"number of legs for the gait '{self.name}'", legs, known)
-        return self.offsets[legs]
+        known = " or ".join(map(str, self.offsets))
+        what = f"number of legs for the gait '{self.name}'"
+        number = whole_number(what, legs, known, 0)
+        if number not in self.offsets:
+            raise BadValueError(what, legs, known)
+        return self.offsets[number]
 
     def stances(self, legs: int) -> tuple[tuple[bool, ...], ...]:
         """List which legs stand, for each part of the cycle between touchdowns and lift-offs.

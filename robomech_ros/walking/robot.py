@@ -17,7 +17,7 @@ from robomech_ros.parallel import Mechanism
 from robomech_ros.parallel.mechanism.tree import links_of_joints, tree_of_limbs
 from robomech_ros.robots import Body, RobotDescription, SerialChain, urdf_from_description
 from robomech_ros.robots.bodies import combine_bodies
-from robomech_ros.spatial.arrays import as_choice, as_single, check_kind, listed
+from robomech_ros.spatial.arrays import as_choice, as_single, check_kind, listed, whole_number
 from robomech_ros.spatial.poses import inverse_pose
 from robomech_ros.typing import Array, ArrayLike, BoolArray
 from robomech_ros.walking.stance_mechanism import contact_rows, stance_mechanism
@@ -227,7 +227,7 @@ class LeggedRobot:
 
     def standing(self, stance: Sequence[str] | None, least: int = 3) -> tuple[int, ...]:
         """Return the numbers of the legs that stand; None stands for all."""
-        check_kind("least", least, int, "a number of legs")
+        whole_number("least", least, f"a number of legs from 0 to {MOST_LEGS}", 0, MOST_LEGS)
         if stance is None:
             return tuple(range(len(self.legs)))
         names = listed("stance", stance, "names of legs")

@@ -81,6 +81,7 @@ def test_duty_factors_are_exact(name):
             assert Fraction(standing, steps) == gait.duty
     with pytest.raises(RobomechError, match="number of legs for the gait"):
         gait.phases(5)
+    assert GAITS["trot"].phases(np.int64(4)) == GAITS["trot"].phases(4)
 
 
 @pytest.mark.parametrize(

@@ -21,8 +21,7 @@ from robomech_ros.dynamics.formulations.plain_recursions import (
     newton_euler,
     orthogonal_complement_inertia,
 )
-from robomech_ros.errors import BadValueError
-from robomech_ros.spatial.arrays import as_choice
+from robomech_ros.spatial.arrays import as_choice, whole_number
 from robomech_ros.typing import Array
 
 ALGORITHMS = (
@@ -104,8 +103,7 @@ def operation_counts(algorithm: str, n: int) -> Operations:
         1 to 50.
     """
     chosen = as_choice("algorithm", algorithm, ALGORITHMS)
-    if isinstance(n, bool) or not isinstance(n, int) or not 1 <= n <= _MOST:
-        raise BadValueError("n", n, f"a whole number from 1 to {_MOST}")
+    n = whole_number("n", n, f"a whole number from 1 to {_MOST}", 1, _MOST)
     tally = Operations()
 
     def counted(value: float) -> Counted:

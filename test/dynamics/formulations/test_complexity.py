@@ -82,6 +82,10 @@ def test_the_document_has_the_counts(algorithm):
     assert at_six == f"{counted.multiplications}, {counted.additions}"
 
 
+def test_whole_numbers_of_numpy_count():
+    assert operation_counts(ALGORITHMS[0], np.int64(2)) == operation_counts(ALGORITHMS[0], 2)
+
+
 def test_wrong_requests_are_refused():
     with pytest.raises(BadValueError, match="one of inverse: newton-euler"):
         operation_counts("newton", 6)
