@@ -1,5 +1,7 @@
 """A chain on a free base: against Pinocchio's free flyer, and against its own simulation."""
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio
 import pytest
@@ -9,7 +11,7 @@ from wrong_values import WRONG_VALUES, answered_or_refused, with_options
 from robomech_ros.dynamics import FloatingChain, move_floating_tip, simulate_floating
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.robots import Body, load_robot
+from robomech_ros.robots import Body, chain_from_dh, load_robot
 from robomech_ros.spatial import pose_error, pose_exponential, quaternion_from_matrix
 
 ARMS = ("canadarm2", "ur5e", "planar3r")
@@ -216,3 +218,40 @@ def test_wrong_arguments_are_named(arm):
     for torque in (np.inf, 1e300, 1e80):
         end = simulate_floating(arm, POSE, q, u, lambda t, q, u, T=torque: np.full(7, T), 1.0)
         assert ("ran away" in end.reason or "failed" in end.reason) and len(end.t) == 1
+
+
+def test_numbers_without_a_finite_result_are_named(arm):
+    q, u = arm.chain.home(), np.zeros(13)
+    for call, text in (
+        (lambda: arm.rates(q, np.full(7, np.nan)), r"qd\[0\] is nan"),
+        (lambda: arm.rates(q, np.full(7, 1e308)), r"largest of qd is 1e\+308"),
+        (lambda: arm.rates(q, q, np.full(6, 1e308)), r"largest of momentum is 1e\+308"),
+        (lambda: arm.inverse(q, u, u, gravity=np.full(3, 1e308)), "largest of gravity"),
+        (lambda: arm.forward(q, u, u, tip_wrench=np.full(6, 1e308)), "largest of tip_wrench"),
+        (lambda: arm.mass_matrix(np.full(7, np.nan)), r"q\[0\] is nan"),
+    ):
+        with pytest.raises((BadValueError, NonFiniteError), match=text):
+            call()
+
+
+def test_points_on_one_line_do_not_resist_a_turn_about_it():
+    """Rounding leaves their inertia about the line above zero."""
+    chain = chain_from_dh([0.3, 0.3], [0.0, 0.0], [0.0, 0.0])
+    point = Body(1.0, [0.0, 0.0, 0.0], np.zeros((3, 3)))
+    robot = FloatingChain(replace(chain, bodies=(point, point)))
+    with pytest.raises(BadValueError, match="bodies that resist every motion of the base"):
+        robot.rates([0.3, 0.3], [1.0, 1.0])
+    with pytest.raises(BadValueError, match="number of joints is 2, expected 6 or more"):
+        move_floating_tip(robot, POSE, [0.3, 0.3], None, 1.0)
+
+
+def test_times_may_repeat_and_torques_cannot_change_the_state(arm):
+    q, still = arm.chain.home(), np.zeros(13)
+
+    def careless(t, values, rates):
+        values[:], rates[:] = 9.0, 9.0
+        return np.zeros(7)
+
+    run = simulate_floating(arm, POSE, q, still, careless, 0.1, times=[0.0, 0.0, 0.1])
+    np.testing.assert_array_equal(run.t, [0.0, 0.0, 0.1])
+    np.testing.assert_allclose(run.q, [q, q, q], atol=1e-12)

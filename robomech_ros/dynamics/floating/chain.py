@@ -19,7 +19,7 @@ from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots.bodies import Body, possible_body
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE
-from robomech_ros.spatial.arrays import as_choice, as_single, real_array
+from robomech_ros.spatial.arrays import LEAST, as_choice, as_single, real_array
 from robomech_ros.typing import Array, ArrayLike
 
 STILL = ("pose", "orientation")
@@ -33,6 +33,8 @@ _mass = direct(floating.floating_mass)
 _NEXT_AXIS = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 # Singular values below this part of the greatest count as zero.
 _ZERO = 1e-9
+# Least eigenvalue of a locked inertia scaled to a unit diagonal; rounding leaves 1e-16 of zero.
+_SINGULAR = 1e-14
 
 
 class FloatingChain:
@@ -148,10 +150,13 @@ class FloatingChain:
         """
         given = self._values("qd", qd)
         H, about = self.mass_matrix(q), np.zeros(6)
-        if momentum is not None:
-            about = as_single("momentum", momentum, (6,)).copy()
-            about[:3] += H[:3, 3:6] @ about[3:] / H[3, 3]
-        twist = self._solved(H[:6, :6], about - H[:6, 6:] @ given)
+        with np.errstate(over="ignore", invalid="ignore"):
+            if momentum is not None:
+                about = as_single("momentum", momentum, (6,)).copy()
+                about[:3] += H[:3, 3:6] @ about[3:] / H[3, 3]
+            twist = self._solved(H[:6, :6], about - H[:6, 6:] @ given)
+        if not np.isfinite(twist).all():
+            _check(NOT_FINITE, qd=given, momentum=momentum)
         return np.concatenate((twist, given))
 
     def generalized_jacobian(self, q: ArrayLike) -> Array:
@@ -267,7 +272,7 @@ class FloatingChain:
         given = self._values("efforts", efforts, 6)
         around, out = _surroundings(gravity, tip_wrench), np.empty(6 + self.n)
         status = _forward(self._models[0], values, u, given, around, out)
-        _check(status, q=values, rates=u, efforts=given)
+        _check(status, q=values, rates=u, efforts=given, gravity=gravity, tip_wrench=tip_wrench)
         return out
 
     def torques(self, q: ArrayLike, rates: ArrayLike, qdd: ArrayLike) -> tuple[Array, Array]:
@@ -311,11 +316,11 @@ class FloatingChain:
 
     def _solved(self, H: Array, right: Array) -> Array:
         """Solve with the locked inertia, which can be singular for a base without mass."""
-        try:
-            return np.asarray(np.linalg.solve(H, right))
-        except np.linalg.LinAlgError:
+        scale = 1.0 / np.sqrt(np.maximum(H.diagonal(), LEAST))
+        if not np.linalg.eigvalsh(H * np.outer(scale, scale))[0] > _SINGULAR:
             expected = "bodies that resist every motion of the base"
-            raise BadValueError("least inertia of the floating chain", 0.0, expected) from None
+            raise BadValueError("least inertia of the floating chain", 0.0, expected)
+        return np.asarray(np.linalg.solve(H, right))
 
 
 def floating_models(chains: Sequence[SerialChain], base: Body | None) -> Array:
@@ -336,7 +341,7 @@ def floating_models(chains: Sequence[SerialChain], base: Body | None) -> Array:
 def floating_inertia(models: Array, q: Array) -> Array:
     """Compute the inertia (6 + k n, 6 + k n) of chains on one base at q (k, n)."""
     M = np.empty((6 + q.size, 6 + q.size))
-    _check(_mass(models, q, M), q=q)
+    _check(_mass(models, q, M), q=q.ravel())
     return M
 
 
@@ -351,14 +356,17 @@ def floating_efforts(
     """Compute the efforts (6 + k n,) of a motion of chains on one base."""
     out = np.empty(u.shape)
     status = _inverse(models, q, u, du, _surroundings(gravity, tip_wrench), out)
-    _check(status, q=q, rates=u, accelerations=du)
+    if not np.isfinite(out).all():
+        status |= NOT_FINITE
+    _check(status, q=q.ravel(), rates=u, accelerations=du, gravity=gravity, tip_wrench=tip_wrench)
     return out
 
 
-def _check(status: int, **given: Array) -> None:
-    """Raise the error for the status of a kernel that was given these arrays."""
+def _check(status: int, **values: ArrayLike | None) -> None:
+    """Raise the error for the status of a kernel that was given these values."""
     if not status:
         return
+    given = {what: np.asarray(value) for what, value in values.items() if value is not None}
     for what, array in given.items():
         if not np.isfinite(array).all():
             raise NonFiniteError(what, array)

@@ -17,7 +17,7 @@ from robomech_ros.dynamics.floating.chain import FloatingChain
 from robomech_ros.dynamics.friction import friction_model, friction_of_rates
 from robomech_ros.dynamics.model import positive_number
 from robomech_ros.dynamics.simulation.equations_of_motion import RunAwayError
-from robomech_ros.dynamics.simulation.integration import FINISHED, MOST_STEPS
+from robomech_ros.dynamics.simulation.integration import FINISHED
 from robomech_ros.dynamics.simulation.simulate import as_times
 from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.kinematics import forward_kinematics
@@ -37,6 +37,8 @@ from robomech_ros.typing import Array, ArrayLike
 FloatingTorque = Callable[[float, Array, Array], ArrayLike]
 
 _TOLERANCE = 1e-12
+# A step takes about 2 ms.
+_MOST_STEPS = 50_000
 # Rate below which dry friction is smoothed (rad/s or m/s).
 _REST_RATE = 1e-2
 # Feedback gain for the tip's pose error, times the duration.
@@ -176,7 +178,7 @@ def simulate_floating(
     def change(t: float, state: Array) -> Array:
         joints, speeds = state[4 : 4 + n], state[4 + n : 4 + 2 * n]
         u = kept.rates(_rotation(state[:4]), joints, speeds)
-        tau = of_shape("torque", real_array("torque", drives(t, joints, u)), (n,))
+        tau = of_shape("torque", real_array("torque", drives(t, joints.copy(), u.copy())), (n,))
         tau = tau - friction_of_rates(friction, speeds, np.tanh(speeds / _REST_RATE))
         if not np.isfinite(tau).all():
             raise RunAwayError(f"the motion ran away: the torque at {t:.6g} s is not finite")
@@ -241,6 +243,8 @@ def move_floating_tip(
     """
     kept, start, _, grid = _started(robot, pose, q, rates, duration, times)
     n, chain = robot.n, robot.chain
+    if n < 6:
+        raise BadValueError("number of joints", n, "6 or more, to move the tip along a line")
     first = as_pose(pose) @ forward_kinematics(chain, start[4:])
     last = first if goal is None else as_pose(as_single("goal", goal, (4, 4)), what="goal")
     turn = rotation_vector_from_matrix(last[:3, :3] @ first[:3, :3].T)
@@ -343,8 +347,9 @@ def _integrated(
         except (BadValueError, NonFiniteError) as error:
             raise RunAwayError(f"the motion ran away at {t:.6g} s: {error}") from None
 
-    times, states, why = [0.0], [start], FINISHED
-    steps, inside = iter(range(MOST_STEPS)), None
+    at_start = int(np.count_nonzero(grid == 0.0))
+    times, states, why = [0.0] * max(at_start, 1), [start] * max(at_start, 1), FINISHED
+    steps, inside = iter(range(_MOST_STEPS)), None
     try:
         # The checks of the states find overflows.
         with np.errstate(over="ignore", invalid="ignore"):
@@ -354,7 +359,7 @@ def _integrated(
             for wanted in grid[grid > 0.0]:
                 while solver.t < wanted:
                     if next(steps, None) is None:
-                        raise RunAwayError(f"{MOST_STEPS} steps did not reach the end")
+                        raise RunAwayError(f"{_MOST_STEPS} steps did not reach the end")
                     if message := solver.step():
                         raise RunAwayError(f"the integration failed at {solver.t:.6g} s: {message}")
                     check(solver.t, solver.y)
@@ -364,8 +369,8 @@ def _integrated(
                 states.append(inside(wanted))
     except RunAwayError as error:
         why = str(error)
-    keep = 1 if grid[0] > 0.0 and len(times) > 1 else 0
-    return np.array(times[keep:]), np.array(states[keep:]), why
+    first = 0 if at_start or len(times) == 1 else 1
+    return np.array(times[first:]), np.array(states[first:]), why
 
 
 def _as_torque(torque: ArrayLike | FloatingTorque | None, n: int) -> FloatingTorque:
