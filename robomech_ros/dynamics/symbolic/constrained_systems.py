@@ -22,7 +22,6 @@ import sympy
 from robomech_ros.errors import BadValueError
 from robomech_ros.numerics.arrays import check_kind, finite_number
 from robomech_ros.spatial.arrays import as_choice
-from robomech_ros.spatial.rows import finite_result
 from robomech_ros.typing import Array
 
 _NAMES = {"inertia": "I", "coupling": "C", "shape": "T"}
@@ -147,7 +146,10 @@ class SymbolicSystem:
             numbers = np.array([finite_number(name, values[name], "in SI units") for name in names])
             with np.errstate(all="ignore"):
                 found = [np.asarray(one, np.float64) for one in both(*numbers)]
-            inertia, coupling = (finite_result("values", one, numbers) for one in found)
+            inertia, coupling = found
+            if not (np.isfinite(inertia).all() and np.isfinite(coupling).all()):
+                expected = "lengths other than 0, a regular posture, and no overflow"
+                raise BadValueError("values", dict(values), expected)
             return inertia, coupling
 
         return evaluate

@@ -184,6 +184,8 @@ def test_what_is_wrong_is_named(planar):
     names = [str(one) for one in (*system.symbols, *system.masses, *system.rates)]
     with pytest.raises(BadValueError, match="rho is nan"):
         system.compiled()(dict.fromkeys(names, 1.0) | {"rho": np.nan})
+    with pytest.raises(BadValueError, match="'rho': 0.0.*lengths other than 0, a regular posture"):
+        system.compiled()(dict.fromkeys(names, 1.0) | {"rho": 0.0})
     with pytest.raises(BadValueError, match="expression is 'torque'"):
         system.text("torque")
     with pytest.raises(BadValueError, match="casters is 10, expected a whole number from 0 to 9"):
