@@ -170,6 +170,14 @@ def test_what_is_missing_is_said():
         platform_equations(load_parallel("delta"), [0.0] * 3)
     with pytest.raises(WrongSizeError, match="lengths has shape"):
         platform_equations(platform("6-3"), [1.0] * 5)
+    for length in (-1.0, 1e300):
+        with pytest.raises(BadValueError, match="length of leg 2 is .* from 0 m, up to 1e.06 m"):
+            platform_equations(load_parallel("planar_3rpr"), [14.0, length, 14.0])
+    equations = platform_equations(platform("6-3"), [1.5] * 6)
+    with pytest.raises(BadValueError, match="largest imaginary part of angles is 1000.0"):
+        equations.residual([1000j, 0.0, 0.0])
+    with pytest.raises(WrongSizeError, match="first and second"):
+        equations.curves(np.zeros(3), np.zeros(4))
     with pytest.raises(NonFiniteError):
         delta_quadratic(load_parallel("delta"), [0.0, np.nan, 0.0])
     with pytest.raises(BadValueError, match="the three elbows are not in line"):
@@ -181,6 +189,7 @@ def test_wrong_values_are_answered_or_refused():
     equations = platform_equations(robot, lengths)
     calls = with_options(platform_equations, robot=robot, drives=lengths)
     calls |= with_options(delta_quadratic, robot=load_parallel("delta"), q=[0.0] * 3)
+    calls["curves"] = lambda value: equations.curves(value, 0.1)
     for name in ("residual", "pose", "resultant"):
         calls[name] = getattr(equations, name)
     calls["first"] = lambda value: equations.solutions_at(value, 0.1)

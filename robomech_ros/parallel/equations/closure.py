@@ -27,6 +27,7 @@ from robomech_ros.parallel.equations.elimination import (
     refined_angles,
     sylvester,
 )
+from robomech_ros.spatial.rows import common_shape
 from robomech_ros.typing import Array, ArrayLike, ComplexArray
 
 # Relative size below which the polynomial vanishes, because the platform can move.
@@ -35,6 +36,8 @@ _VANISHING = 1e-13
 _MAYBE_REAL = 1e-3
 # Distance below which solutions are one (rad); largest distance of a solution from its estimate.
 _SAME, _OWN = 1e-6, 1e-2
+# Products of some cosines of such angles (rad) do not overflow.
+_MOST_IMAGINARY = 100.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +112,10 @@ class PlatformEquations:
 
     def residual(self, angles: ArrayLike) -> Numbers:
         """Return the left sides at angles (n,) in rad, real or complex; shape (m,)."""
-        u = circle(self._checked(angles))
+        return self._left_sides(self._checked(angles))
+
+    def _left_sides(self, angles: Numbers) -> Numbers:
+        u = circle(angles)
         return np.array(
             [
                 u[:, i] @ table @ u[:, j]
@@ -121,7 +127,7 @@ class PlatformEquations:
         """Return the pose (4, 4) in m at angles (n,) that solve the equations (rad)."""
         return self.placed(self._checked(angles))
 
-    def curves(self, first: Array, second: Array) -> Array:
+    def curves(self, first: ArrayLike, second: ArrayLike) -> Array:
         """Return two equations in the first and the second angle (rad), shapes (...).
 
         With three angles the second one is the resultant of the equations that contain the third.
@@ -131,6 +137,8 @@ class PlatformEquations:
         -------
         ndarray, shape (2, ...)
         """
+        first, second = _moderate("first", first), _moderate("second", second)
+        common_shape("first and second", first.shape, second.shape)
         one = self._bilinear(0, first, second)
         if len(self.names) == 2:
             return np.stack((one, self._bilinear(1, first, second)))
@@ -149,14 +157,16 @@ class PlatformEquations:
 
     def solutions_at(self, first: complex, second: complex) -> ComplexArray:
         """Return all angles (k, n) of solutions near estimates of the first two (rad)."""
-        first, second = _angle("first", first), _angle("second", second)
+        return self._refined(_angle("first", first), _angle("second", second))
+
+    def _refined(self, first: complex, second: complex) -> ComplexArray:
         starts = [np.array([first, second], complex)]
         if len(self.names) == 3:
             thirds = crossing_angles(
                 circle(first) @ self.tables[1], circle(second) @ self.tables[2]
             )
             starts = [np.array([first, second, third], complex) for third in thirds]
-        found = [refined_angles(self.residual, start) for start in starts]
+        found = [refined_angles(self._left_sides, start) for start in starts]
         kept = [
             end
             for start, end in zip(starts, found, strict=True)
@@ -195,13 +205,16 @@ class PlatformEquations:
         n = len(self.names)
         if not greatest > _VANISHING * self._size(samples):
             nothing = np.empty(0, complex), np.empty((0, n), complex), np.empty((0, 4, 4), complex)
-            reason = "the polynomial vanishes for all angles: the platform can move"
+            reason = (
+                "the polynomial vanishes up to rounding: the platform can move, or a length is 0 "
+                "or far beyond its size"
+            )
             return PlatformRoots(0.0 * polynomial, *nothing, False, reason)
         roots = angles_of_roots(waves)
         found: list[ComplexArray] = []
         for root in roots[np.isfinite(roots)]:
             for second in self._seconds(root):
-                for end in self.solutions_at(root, second):
+                for end in self._refined(root, second):
                     angles = end.real + 0j if _apart(end, end.conj()) < _SAME else end
                     if all(_apart(angles, other) > _SAME for other in found):
                         found.append(angles)
@@ -214,7 +227,7 @@ class PlatformEquations:
         return PlatformRoots(polynomial / greatest, roots, angles, poses, not reason, reason)
 
     def _checked(self, angles: ArrayLike) -> Numbers:
-        given = as_angles("angles", angles)
+        given = _moderate("angles", angles)
         if given.shape != (len(self.names),):
             raise WrongSizeError("angles", given.shape, f"({len(self.names)},)")
         return given
@@ -246,8 +259,18 @@ class PlatformEquations:
         return float(np.prod(rows, axis=1).max())
 
 
+def _moderate(what: str, value: ArrayLike) -> Numbers:
+    """Check angles (rad), real or complex, of any shape."""
+    angles = as_angles(what, value)
+    largest = float(np.abs(angles.imag).max(initial=0.0))
+    if largest > _MOST_IMAGINARY:
+        expected = f"at most {_MOST_IMAGINARY:g} rad, else cosines overflow"
+        raise BadValueError(f"largest imaginary part of {what}", largest, expected)
+    return angles
+
+
 def _angle(what: str, value: complex) -> complex:
-    given = as_angles(what, value)
+    given = _moderate(what, value)
     if given.ndim:
         raise WrongSizeError(what, given.shape, "()")
     return complex(given)

@@ -8,7 +8,7 @@ import numpy as np
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.equations.closure import FROM_THIRDS, THIRDS, turn_about_z
-from robomech_ros.parallel.argument_checks import actuated
+from robomech_ros.parallel.argument_checks import actuated, positive
 from robomech_ros.parallel.equations.closure import PlatformEquations
 from robomech_ros.parallel.equations.elimination import Numbers
 from robomech_ros.parallel.planar import Planar3RPR, Planar3RRR
@@ -63,9 +63,9 @@ def platform_equations(robot: Robot, drives: ArrayLike) -> PlatformEquations:
     ((7,), (6, 2), 6)
     """
     if isinstance(robot, StewartGough):
-        return _vertex_equations(robot, actuated("lengths", drives, 6))
+        return _vertex_equations(robot, _lengths(drives, 6))
     if isinstance(robot, Planar3RPR):
-        return _triangle_equations(robot, robot.base_points, actuated("lengths", drives, 3))
+        return _triangle_equations(robot, robot.base_points, _lengths(drives, 3))
     if isinstance(robot, Planar3RRR):
         q = actuated("q", drives, 3)
         arms = robot.proximal[:, None] * np.stack((np.cos(q), np.sin(q)), axis=1)
@@ -73,6 +73,12 @@ def platform_equations(robot: Robot, drives: ArrayLike) -> PlatformEquations:
     if isinstance(robot, Spherical3RRR):
         return _axis_equations(robot, actuated("q", drives, 3))
     raise BadValueError("robot", type(robot).__name__, f"one of {', '.join(_KINDS)}")
+
+
+def _lengths(drives: ArrayLike, count: int) -> Array:
+    """Check lengths of legs (m)."""
+    given = enumerate(actuated("lengths", drives, count).tolist(), 1)
+    return np.array([positive(f"length of leg {leg}", one, zero=True) for leg, one in given])
 
 
 def _vertex_equations(robot: StewartGough, lengths: Array) -> PlatformEquations:
