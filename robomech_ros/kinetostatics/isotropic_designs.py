@@ -13,12 +13,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robomech_ros.numerics.arrays import positive_number, real_within, whole_number
+from robomech_ros.numerics.arrays import real_within, whole_number
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.dh import chain_from_dh
 from robomech_ros.typing import Array
 
 _MOST_JOINTS = 64
+# Reaches (m) of which a chain can be made.
+_LEAST_REACH, _MOST_REACH = 1e-6, 1e6
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +78,7 @@ def isotropic_planar_2r(reach: float) -> IsotropicDesign:
     >>> round(condition_number(design.chain, design.q, part=design.part), 9)
     1.0
     """
-    size = positive_number("reach", reach)
+    size = _checked_reach(reach)
     a = size * np.array([np.sqrt(2.0), 1.0]) / (1.0 + np.sqrt(2.0))
     return IsotropicDesign(a, np.zeros(2), np.zeros(2), np.array([0.0, 0.75 * np.pi]), "position")
 
@@ -98,7 +100,7 @@ def isotropic_planar_3r(reach: float) -> IsotropicDesign:
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 5.8.1 and 5.8.3.
     """
-    size = positive_number("reach", reach)
+    size = _checked_reach(reach)
     side = size / (2.0 + 1.0 / np.sqrt(3.0))
     a = side * np.array([1.0, 1.0, 1.0 / np.sqrt(3.0)])
     q = np.radians([0.0, 120.0, 150.0])
@@ -126,7 +128,7 @@ def isotropic_spatial_3r(reach: float, *, shoulder: float = 0.0) -> IsotropicDes
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 5.8.1.
     """
-    size = positive_number("reach", reach)
+    size = _checked_reach(reach)
     most = 2.0 * size / (3.0 + np.sqrt(2.0))
     expected = f"0 to {most:.6g} m: with a larger one, no design of this reach is isotropic"
     offset = real_within("shoulder", shoulder, expected, 0.0, most)
@@ -176,3 +178,8 @@ def isotropic_wrist(joints: int = 3) -> IsotropicDesign:
     q = np.full(n, turn)
     q[[0, -1]] = 0.0
     return IsotropicDesign(np.zeros(n), np.zeros(n), alpha, q, "orientation")
+
+
+def _checked_reach(reach: float) -> float:
+    expected = f"{_LEAST_REACH:g} to {_MOST_REACH:g} m"
+    return real_within("reach", reach, expected, _LEAST_REACH, _MOST_REACH)

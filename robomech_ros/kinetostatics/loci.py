@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics.joint_values import as_joint_values, check_chain
+from robomech_ros.kinematics.joint_values import as_posture, check_chain
 from robomech_ros.kinetostatics.conditioning import characteristic_length
 from robomech_ros.kinetostatics.indices import condition_number, condition_number_gradient
 from robomech_ros.kinetostatics.task_parts import PARTS
 from robomech_ros.numerics.arrays import real_array, whole_number
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
-from robomech_ros.spatial.arrays import as_choice
+from robomech_ros.spatial.arrays import as_choice, listed
 from robomech_ros.typing import Array, ArrayLike
 
 _FEWEST_STEPS, _MOST_STEPS, _REFINEMENTS = 8, 2048, 6
 # Larger logarithms of the condition number on the grid count as equal.
 _STEEP = 20.0
+_STEEPEST = math.exp(_STEEP)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +75,7 @@ def condition_loci(
     chain : SerialChain
         Chain of two joints or more.
     levels : array_like, shape (m,)
-        Condition numbers above 1; the level 1 would be isolated points.
+        Condition numbers above 1, and below 4.8e8; the level 1 would be isolated points.
     joints : tuple of int, optional
         Indices of two joints, from 0; default the second and the third, or both of two.  The range
         of revolute joints is a turn, that of prismatic joints is within their limits.
@@ -110,11 +112,10 @@ def condition_loci(
     part = as_choice("part", part, tuple(PARTS))
     pair = _pair(chain, joints)
     values = np.atleast_1d(real_array("levels", levels))
-    if values.ndim != 1 or not (np.isfinite(values) & (values > 1.0)).all():
-        raise BadValueError("levels", values.tolist(), "condition numbers above 1")
-    rest = np.zeros(chain.n) if q is None else as_joint_values(chain, q)
-    if rest.ndim != 1:
-        raise BadValueError("q", rest.tolist(), "one posture")
+    if values.ndim != 1 or not ((values > 1.0) & (values < _STEEPEST)).all():
+        expected = f"condition numbers above 1 and below {_STEEPEST:.3g}"
+        raise BadValueError("levels", values.tolist(), expected)
+    rest = np.zeros(chain.n) if q is None else as_posture(chain, q)
     expected = f"a whole number from {_FEWEST_STEPS} to {_MOST_STEPS}"
     count = whole_number("steps", steps, expected, _FEWEST_STEPS, _MOST_STEPS) + 1
     if part == "pose" and length is None:
@@ -130,13 +131,14 @@ def condition_loci(
 
 def _pair(chain: SerialChain, joints: object) -> tuple[int, int]:
     given = ((1, 2) if chain.n > 2 else (0, 1)) if joints is None else joints
-    try:
-        first, second = (int(k) for k in given)  # type: ignore[attr-defined]
-    except (TypeError, ValueError):
-        first = second = -1
-    if first == second or not (0 <= first < chain.n and 0 <= second < chain.n):
-        raise BadValueError("joints", given, f"two different joints from 0 to {chain.n - 1}")
-    return first, second
+    expected = f"two different joints from 0 to {chain.n - 1}"
+    pair = [
+        whole_number("joints", k, expected, 0, chain.n - 1)
+        for k in listed("joints", given, expected)
+    ]
+    if len(pair) != 2 or pair[0] == pair[1]:
+        raise BadValueError("joints", given, expected)
+    return pair[0], pair[1]
 
 
 def _axis(chain: SerialChain, joint: int, count: int) -> Array:

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize
 from wrong_values import WRONG_VALUES, answered_or_refused, with_options
 
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import (
     characteristic_length,
@@ -79,8 +79,9 @@ def test_the_shoulder_of_the_spatial_design_ends_where_no_posture_is_isotropic()
         isotropic_spatial_3r(1.5, shoulder=0.7)
     with pytest.raises(BadValueError, match="joints is 2, expected a whole number from 3 to 64"):
         isotropic_wrist(2)
-    with pytest.raises(BadValueError, match="reach is -1.0"):
-        isotropic_planar_2r(-1.0)
+    for reach in (-1.0, np.inf, 1e-300):
+        with pytest.raises(BadValueError, match="reach is .* expected 1e-06 to 1e.06 m"):
+            isotropic_planar_2r(reach)
 
 
 def test_loci_have_their_condition_number_and_separate_the_plane(tmp_path):
@@ -116,12 +117,15 @@ def test_loci_of_the_planar_arm_are_circles_of_its_tip():
         ({"levels": [2.0], "joints": (1, 6)}, "expected two different joints from 0 to 5"),
         ({"levels": [2.0], "joints": 1}, "expected two different joints from 0 to 5"),
         ({"levels": [2.0], "steps": 4}, "steps is 4, expected a whole number from 8 to 2048"),
-        ({"levels": [2.0], "q": np.zeros((2, 6))}, "expected one posture"),
+        ({"levels": [2.0], "joints": ("1", 2.5)}, "expected two different joints from 0 to 5"),
+        ({"levels": [1e300]}, "condition numbers above 1 and below 4.85e.08"),
+        ({"levels": [2.0], "q": np.zeros((2, 6))}, "q has shape .2, 6., expected .6,."),
+        ({"levels": [2.0], "q": [np.nan, 0, 0, 0, 0, 0]}, "q of joint .* is nan"),
         ({"levels": [2.0], "part": "poses"}, "part is 'poses'"),
     ],
 )
 def test_wrong_requests_for_loci(given, text):
-    with pytest.raises(BadValueError, match=text):
+    with pytest.raises(RobomechError, match=text):
         condition_loci(load_robot("puma560"), **given)
 
 
