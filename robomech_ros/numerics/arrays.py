@@ -125,7 +125,7 @@ def all_finite(array: Array) -> bool:
 def check_finite(what: str, array: Array) -> None:
     """Refuse an array with NaN or infinity."""
     if not all_finite(array):
-        raise NonFiniteError(what, array)
+        raise NonFiniteError(what, array if array.ndim else float(array))
 
 
 def check_kind(what: str, value: object, kind: Any, expected: str) -> None:

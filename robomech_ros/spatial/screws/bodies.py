@@ -63,7 +63,9 @@ def principal_inertia(inertia: ArrayLike) -> PrincipalInertia:
     part = own / scale
     moments, axes = np.linalg.eigh(0.5 * (part + np.swapaxes(part, -1, -2)))
     axes[..., 0] *= np.linalg.det(axes)[..., None]
-    return PrincipalInertia(moments * scale[..., 0], axes)
+    with np.errstate(over="ignore"):
+        found = moments * scale[..., 0]
+    return PrincipalInertia(finite_result("inertia", found, own), axes)
 
 
 def radii_of_gyration(mass: ArrayLike, inertia: ArrayLike) -> Array:
@@ -92,8 +94,9 @@ def radii_of_gyration(mass: ArrayLike, inertia: ArrayLike) -> Array:
     if (moments[..., 0] < -_ASYMMETRY * moments[..., 2]).any():
         least = float(moments[..., 0].min())
         raise BadValueError("principal moment of inertia", least, "at least 0 kg m^2")
-    radii: Array = np.sqrt(np.maximum(moments, 0.0) / m[..., None])
-    return finite_result("mass", radii, m)
+    # Roots first: their quotient does not overflow.
+    radii: Array = np.sqrt(np.maximum(moments, 0.0)) / np.sqrt(m[..., None])
+    return radii
 
 
 def inertia_of_point_mass(mass: ArrayLike, position: ArrayLike) -> Array:

@@ -121,3 +121,6 @@ def test_radii_of_gyration_of_a_box():
         spatial.radii_of_gyration(0.0, np.eye(3))
     with pytest.raises(BadValueError, match="moment of inertia is -1.0, expected at least 0"):
         spatial.radii_of_gyration(1.0, np.diag([-1.0, 2.0, 2.0]))
+    with pytest.raises(BadValueError, match="largest of inertia is 1e.308"):
+        spatial.principal_inertia(np.full((3, 3), 1e308))
+    np.testing.assert_allclose(spatial.radii_of_gyration(1e-300, 1e300 * np.eye(3)), 1e300)
