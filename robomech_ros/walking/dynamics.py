@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robomech_ros.dynamics.checked_states import as_vector
 from robomech_ros.dynamics.complement.stacking import solve
 from robomech_ros.dynamics.floating.chain import floating_efforts, floating_inertia, floating_models
 from robomech_ros.dynamics.model import GRAVITY
@@ -208,8 +209,8 @@ class WalkingDynamics:
             u and its derivative.
         """
         N = self.complement(q, stance)
-        w = as_single("independent", independent, (N.shape[1],))
-        dw = as_single("changes", changes, (N.shape[1],))
+        w = as_vector("independent", independent, N.shape[1])
+        dw = as_vector("changes", changes, N.shape[1])
         u = N @ w
         return u, N @ dw + self._drift(q, u, stance)
 
@@ -238,8 +239,8 @@ class WalkingDynamics:
             In the axes of the trunk (m/s^2).
         """
         N = self.complement(q, stance)
-        tau = as_single("torques", torques, (self.robot.n,))
-        u = N @ as_single("independent", independent, (N.shape[1],))
+        tau, gravity = as_vector("torques", torques, self.robot.n), as_vector("gravity", gravity, 3)
+        u = N @ as_vector("independent", independent, N.shape[1])
         drift = self._drift(q, u, stance)
         left = np.concatenate((np.zeros(6), tau)) - self.inverse(q, u, drift, gravity=gravity)
         du = drift + N @ np.linalg.solve(N.T @ self.mass_matrix(q) @ N, N.T @ left)

@@ -282,10 +282,12 @@ def _unit_normals(normals: ArrayLike, k: int) -> Array:
     given = np.asarray(normals, dtype=object)
     shape = (3,) if given.ndim == 1 else (k, 3)
     array = np.broadcast_to(as_single("normals", normals, shape), (k, 3))
-    lengths = np.linalg.norm(array, axis=1, keepdims=True)
-    if not lengths.min() > 0.0:
+    largest = np.abs(array).max(axis=1, keepdims=True)
+    if not largest.min() > 0.0:
         raise BadValueError("normals", array.tolist(), "directions out of the ground")
-    return array / lengths
+    # Scaled, so that no square overflows or vanishes.
+    array = array / largest
+    return array / np.linalg.norm(array, axis=1, keepdims=True)
 
 
 def _check_lifted(robot: LeggedRobot, standing: list[int], own: Array) -> None:

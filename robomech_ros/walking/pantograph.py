@@ -97,7 +97,7 @@ class PantographLeg:
         knee : {"forward", "back"}, optional
             On which side of the line AF, seen with v above 0, the knee is.
         """
-        turn, h, v = as_single("drives", drives, (3,))
+        turn, h, v = as_single("drives", drives, (3,)).tolist()
         side = _KNEES[as_choice("knee", knee, tuple(_KNEES))]
         A, B = np.array([0.0, v]), np.array([h, 0.0])
         F = A + self.ratio * (B - A)
@@ -201,7 +201,8 @@ class PantographLeg:
         bounds = np.array([as_single("lower", lower, (3,)), as_single("upper", upper, (3,))])
         if not (bounds[0] < bounds[1]).all():
             raise BadValueError("lower", bounds[0].tolist(), f"less than {bounds[1].tolist()}")
-        for h, v in product(*bounds[:, 1:].T.tolist()):
+        nearest = np.clip(0.0, *bounds[:, 1:]).tolist()
+        for h, v in (*product(*bounds[:, 1:].T.tolist()), nearest):
             self.foot([0.0, h, v])
         low, high = bounds * self.gains
         directions = ("turn", [1.0, 0.0, 0.0]), ("forward", [1.0, 0.0, 0.0]), ("down", [0, 0, -1.0])

@@ -4,7 +4,12 @@ import numpy as np
 import pinocchio
 import pytest
 
-from robomech_ros.errors import BadValueError, MissingInertiaError, MissingSupportError
+from robomech_ros.errors import (
+    BadValueError,
+    MissingInertiaError,
+    MissingSupportError,
+    NonFiniteError,
+)
 from robomech_ros.robots import load_description
 from robomech_ros.spatial import pose_exponential, quaternion_from_matrix
 from robomech_ros.walking import LeggedRobot, Walker, WalkingDynamics, gait_torques, load_legged
@@ -188,3 +193,18 @@ def test_wrong_requests_name_what_is_wrong():
         dynamics.complement(np.zeros(12))
     with pytest.raises(BadValueError, match="robot of the walker"):
         gait_torques(dynamics, Walker(load_legged("phantomx")), [0.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("size", [1e308, np.nan])
+def test_numbers_that_overflow_are_named(size):
+    dynamics = WalkingDynamics(load_legged("go1"))
+    q, still, none = dynamics.robot.home, np.zeros(6), np.zeros(12)
+    for call, text in (
+        (lambda: dynamics.planted_forward(q, np.full(6, size), none), "independent"),
+        (lambda: dynamics.planted_forward(q, still, np.full(12, size)), "torques"),
+        (lambda: dynamics.planted_forward(q, still, none, gravity=np.full(3, size)), "gravity"),
+        (lambda: dynamics.stance_motion(q, still, np.full(6, size)), "changes"),
+        (lambda: dynamics.inverse(q, np.zeros(18), np.zeros(18), gravity=[size] * 3), "gravity"),
+    ):
+        with pytest.raises((BadValueError, NonFiniteError), match=text):
+            call()

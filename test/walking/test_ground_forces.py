@@ -157,3 +157,5 @@ def test_feet_in_the_air_and_wrong_requests(robot):
         foot_forces(robot, np.zeros(12), load, smallest="torques")
     with pytest.raises(WrongSizeError, match="wrench"):
         foot_forces(robot, robot.home, load[:3])
+    found = foot_forces(robot, robot.home, load, normals=1e300 * UP)
+    np.testing.assert_allclose(found.forces, foot_forces(robot, robot.home, load).forces)

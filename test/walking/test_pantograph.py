@@ -125,6 +125,8 @@ def test_a_machine_walks_on_pantographs():
         (lambda: LEG.chain("leg", [0.0, 0.0, 0.1], [0.1, 0.0, 0.12]), "lower"),
         (lambda: LEG.chain("leg", [0.0, 0.0, 0.1], [0.1, 0.1, 0.5]), "apart"),
         (lambda: LEG.chain("leg", [0.0, 0.0], [0.1, 0.1, 0.12]), "lower"),
+        # The corners are within reach, the middle is not.
+        (lambda: LEG.chain("leg", [0.0, -0.02, -0.1], [0.1, 0.02, 0.1]), "drives is [0.0, 0.0, "),
     ],
 )
 def test_wrong_requests_name_what_is_wrong(call, text):
