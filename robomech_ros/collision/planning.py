@@ -12,9 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from robomech_ros.collision.distances import Clearance
 from robomech_ros.collision.libraries import PLANNERS, ompl
 from robomech_ros.collision.motion_proof import MotionProof
-from robomech_ros.errors import RobomechError, SeedOutsideLimitsError
+from robomech_ros.errors import RobomechError, SeedOutsideLimitsError, WrongSizeError
 from robomech_ros.kinematics import inverse_kinematics
 from robomech_ros.kinematics.joint_values import as_finite_values, as_posture
 from robomech_ros.robots.chain import SerialChain
@@ -40,8 +41,8 @@ class PlanStatus(Enum):
     """The outcome of a plan."""
 
     SOLVED = "a path was found"
-    START_IN_CONTACT = "the start is in contact, and no way out was found"
-    GOAL_IN_CONTACT = "every goal is in contact"
+    START_IN_CONTACT = "the start is in contact or too near to it, and no way out was found"
+    GOAL_IN_CONTACT = "every goal is in contact or too near to it"
     NO_POSTURE = "no posture reaches the pose"
     NO_PATH = "no path was found in time"
 
@@ -137,7 +138,9 @@ class _Search:
         self._scene, self._request, self._deadline = scene, request, deadline
         self._distances = scene.distances
         self._proof = MotionProof(self._distances, request.clearance)
-        self._free: dict[tuple[float, ...], None] = {}
+        self._free: set[tuple[float, ...]] = set()
+        # Those that motions from the start have come to.
+        self._reached: dict[tuple[float, ...], None] = {}
         self._certain: set[frozenset[tuple[float, ...]]] = set()
         self._is_first = request.planner == PLANNERS[0]
         # Planners that use up their time leave none for detours, so they prove every motion.
@@ -147,8 +150,8 @@ class _Search:
     def path(self, start: Array, postures: Array, kept: list[int]) -> tuple[Array, int]:
         """Find a path from the start to one of the postures kept, and which; -1 for none."""
         order = sorted(kept, key=lambda k: float(np.abs(postures[k] - start).max()))
-        for q in (start, *postures[order]):
-            self._free[tuple(q.tolist())] = None
+        self._free |= {tuple(q.tolist()) for q in (start, *postures[order])}
+        self._reached = {tuple(start.tolist()): None}
         for k in order:
             if self._is_over():
                 break
@@ -174,6 +177,7 @@ class _Search:
             if found is None:
                 return None
             pieces.append(found[1:])
+            self._reached[tuple(found[-1].tolist())] = None
         return np.concatenate(pieces)
 
     def _proves(self, motion: Array) -> bool:
@@ -197,12 +201,15 @@ class _Search:
                 return False
         if not (self._proves(curve) if self._strict else self._proof.seems_free(curve)):
             return False
-        self._free[tuple(b)] = None
+        self._free.add(tuple(b))
+        if tuple(a) in self._reached or tuple(b) in self._reached:
+            self._reached |= {tuple(a): None, tuple(b): None}
         return True
 
     def nearest(self, goals: Array) -> tuple[Array, float]:
-        """Return the reached posture that is nearest to a goal, and its distance (rad or m)."""
-        reached = np.array([q for q in self._free if not (goals == q).all(axis=1).any()])
+        """Return the posture reached from the start that is nearest to a goal, and its distance."""
+        start, *later = self._reached
+        reached = np.array([start, *(q for q in later if not (goals == q).all(axis=1).any())])
         away = np.abs(reached[:, None] - goals).max(axis=2).min(axis=1)
         best = int(np.argmin(away))
         return reached[best], float(away[best])
@@ -285,7 +292,9 @@ def _postures(scene: Any, goals: npt.ArrayLike, start: Array) -> tuple[Array, st
     if given.shape == (4, 4) and (chain.n != 4 or _is_pose(given)):
         found = inverse_kinematics(chain, as_pose(given), seed=start)
         return found.q, found.reason
-    rows = as_finite_values(chain, given, "goals").reshape(-1, chain.n)
+    rows = np.atleast_2d(as_finite_values(chain, given, "goals"))
+    if rows.ndim > 2:
+        raise WrongSizeError("goals", given.shape, f"({chain.n},), (k, {chain.n}) or (4, 4)")
     inside = [_within_limits(chain, row, "goal") for row in rows]
     return np.array(inside).reshape(-1, chain.n), "there is no goal"
 
@@ -313,7 +322,14 @@ def _free_goals(scene: Any, postures: Array, clearance: float) -> tuple[list[int
         return kept, ""
     best = max((scene.clearance(q) for q in postures), key=lambda one: one.distance)
     which = "the goal is" if len(postures) == 1 else f"all {len(postures)} goals are"
-    return [], f"{which} in contact: {in_words(best.bodies, best.distance)}"
+    return [], f"{which} {_fault(best, clearance)}: {in_words(best.bodies, best.distance)}"
+
+
+def _fault(found: Clearance, clearance: float) -> str:
+    """Say whether a posture is in contact, or does not keep the clearance (m)."""
+    if found.distance <= 0.0:
+        return "in contact"
+    return f"nearer to a body than the clearance of {clearance:g} m"
 
 
 def in_words(bodies: tuple[str, str], distance: float) -> str:
@@ -325,7 +341,7 @@ def in_words(bodies: tuple[str, str], distance: float) -> str:
 def _leave(scene: Any, start: Array, request: PlanRequest) -> tuple[list[Array], str]:
     """Find steps out of a contact on which the least distance grows; none if they fail."""
     found = scene.clearance(start)
-    contact = in_words(found.bodies, found.distance)
+    fault, words = _fault(found, request.clearance), in_words(found.bodies, found.distance)
     random = np.random.default_rng(request.seed)
     path, least = [start], found.distance
     lower, upper = np.minimum(scene.chain.lower, start), np.maximum(scene.chain.upper, start)
@@ -340,7 +356,7 @@ def _leave(scene: Any, start: Array, request: PlanRequest) -> tuple[list[Array],
         path.append(steps[best])
         least = distances[best]
         if least > request.clearance + _SLACK:
-            return path, f"the start is in contact and is left first: {contact}"
+            return path, f"the start is {fault} and is left first: {words}"
     carried = [name for name in found.bodies if name in scene.objects and scene.objects[name].link]
     hint = f"; if it may touch '{carried[0]}', name it in touch_links" if carried else ""
-    return [], f"the start is in contact: {contact}{hint}"
+    return [], f"the start is {fault}: {words}{hint}"

@@ -8,12 +8,14 @@ import numpy as np
 
 from robomech_ros.collision.motion_proof import MotionProof
 from robomech_ros.collision.planning import in_words
+from robomech_ros.collision.scene import PlanningScene
+from robomech_ros.errors import WrongSizeError
+from robomech_ros.numerics.arrays import check_finite, check_kind, finite_within, real_array
 from robomech_ros.servo.contact_slowing import ContactAhead
 from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
     from robomech_ros.collision.distances import Distances
-    from robomech_ros.collision.scene import PlanningScene
 
 # A motion deepens a contact if the depth grows by more than the tolerance (m) after this travel of
 # a joint (rad or m).
@@ -42,19 +44,33 @@ class ServoGuard:
     def __init__(
         self, scene: PlanningScene, self_proximity: float = 0.01, scene_proximity: float = 0.02
     ) -> None:
+        check_kind("scene", scene, PlanningScene, "a PlanningScene")
         self._scene, self._distances = scene, scene.distances
-        self._proximities = self_proximity, scene_proximity
+        self._proximities = (
+            finite_within("self_proximity", self_proximity, "0 to 10 m", 0.0, 10.0),
+            finite_within("scene_proximity", scene_proximity, "0 to 10 m", 0.0, 10.0),
+        )
         self._all = self._distances, MotionProof(self._distances, 0.0)
         # Touching pairs, with the distances and the proof of all other pairs.
         self._without = frozenset[_Pair](), self._all
 
     def contact(self, curve: Array) -> ContactAhead | None:
         """Find the first contact on a curve; see `ContactGuard`."""
-        return self._first(curve[None], first=True)
+        return self._first(self._checked("curve", curve, 2)[None], first=True)
 
     def obstruction(self, curves: Array) -> ContactAhead | None:
         """Return a contact on curves that cannot be proved free; see `ContactGuard`."""
-        return self._first(curves, first=False)
+        return self._first(self._checked("curves", curves, 3), first=False)
+
+    def _checked(self, what: str, value: Array, axes: int) -> Array:
+        """Check coefficients (..., d + 1, n) of one curve (2 axes) or of some (3 axes)."""
+        array, n = real_array(what, value), self._scene.chain.n
+        if array.ndim != axes or array.shape[-1] != n or min(array.shape[:-2], default=1) < 1:
+            raise WrongSizeError(what, array.shape, f"({'s, ' * (axes - 2)}d + 1, {n})")
+        if array.shape[-2] < 2:
+            raise WrongSizeError(what, array.shape, "two or more coefficients for each curve")
+        check_finite(what, array)
+        return array
 
     def _first(self, curves: Array, *, first: bool) -> ContactAhead | None:
         start, touching, k = curves[0, 0], frozenset[_Pair](), 0

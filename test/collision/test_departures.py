@@ -6,6 +6,7 @@ from shaped_arm import shaped_ur5e
 
 from robomech_ros.cartesian import PathStopLimits, plan_along
 from robomech_ros.collision import Box, PlanningScene, Sphere, check_departure, stop_before_contact
+from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.joint_limits import with_assumed_rates
 from robomech_ros.outcomes import Code
@@ -88,3 +89,12 @@ def test_a_blend_is_proved_as_it_is_sent(scene, blend):
     assert "'wrist_3_link' and 'ball' would touch" in plan.stop.text
     assert scene.check_motion(plan.samples).certified
     assert 0.0 < scene.clearance(plan.samples.positions[-1]).distance < 2e-3
+
+
+def test_wrong_departures_are_named(scene):
+    with pytest.raises(BadValueError, match="scene is None, expected a PlanningScene"):
+        check_departure(None, turned(0.1, 0.6))
+    with pytest.raises(BadValueError, match="motion is .* expected a PiecewisePolynomial"):
+        check_departure(scene, [HERE, HERE])
+    with pytest.raises(BadValueError, match=r"travel of the joints .* expected at most 1000"):
+        check_departure(scene, turned(0.1, 1e5))

@@ -176,6 +176,18 @@ def test_goals_in_contact_are_named():
     assert plan.status is PlanStatus.GOAL_IN_CONTACT
     near = scene.plan(LEFT, RIGHT, clearance=0.5)
     assert near.status is PlanStatus.GOAL_IN_CONTACT and "m apart" in near.reason
+    assert near.reason.startswith("the goal is nearer to a body than the clearance of 0.5 m: ")
+    with pytest.raises(WrongSizeError, match="goals has shape"):
+        scene.plan(LEFT, np.zeros((2, 2, 6)))
+
+
+def test_a_start_nearer_than_the_clearance_is_left_first():
+    scene = table()
+    scene.add("ball", Sphere(0.1))
+    plan = scene.plan([-0.2, 0.0], [-1.0, 0.0], clearance=0.1)
+    assert plan.status is PlanStatus.SOLVED and not plan.certified
+    text = "the start is nearer to a body than the clearance of 0.1 m and is left first: "
+    assert plan.reason.startswith(text) and "0.05 m apart" in plan.reason
 
 
 def test_a_start_in_contact_is_left_while_the_distance_grows():
@@ -244,6 +256,9 @@ def test_no_path_in_time_is_said():
     assert not plan.certified
     assert "no path within 0.3 s" in plan.reason and "nearest posture reached is" in plan.reason
     assert plan.seconds >= 0.3
+    # A tree grows from the goal, too, but the wall is between.
+    nearest = plan.reason.split("[")[1].split("]")[0].split(",")
+    assert float(nearest[0]) < 0.0
 
 
 def arm_of(count):

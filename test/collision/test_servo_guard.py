@@ -15,6 +15,7 @@ from servo_drives import TIMEOUT, Drive
 from robomech_ros.collision import Box, Plane, PlanningScene, Sphere
 from robomech_ros.collision.robot_bodies import link_shapes
 from robomech_ros.collision.servo_guard import ServoGuard
+from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.joint_limits import with_assumed_rates
 from robomech_ros.robots import load_description
@@ -160,3 +161,22 @@ def test_who_moves_slowly_arrives_soon(ur5e):
         times.append(kinds.index(ServoCondition.CONTACT) * drive.period)
     way = 0.1 - 0.04
     assert times[0] < way / 0.02 + 1.5 and times[1] < way / 0.2 + 1.5
+
+
+def test_wrong_guards_and_curves_are_refused(ur5e):
+    """A curve that is not finite is no free one."""
+    for wrong, text in (
+        ((None,), "scene"),
+        ((ur5e, -1.0), "self_proximity"),
+        ((ur5e, 0.0, np.nan), "scene_proximity"),
+    ):
+        with pytest.raises(RobomechError, match=text):
+            ServoGuard(*wrong)
+    guard = ServoGuard(ur5e)
+    for curve in (np.full((2, 6), np.nan), np.zeros((1, 6)), np.zeros((2, 5)), HERE, None):
+        with pytest.raises(RobomechError, match="curve"):
+            guard.contact(curve)
+        with pytest.raises(RobomechError, match="curves"):
+            guard.obstruction(None if curve is None else curve[None])
+    with pytest.raises(RobomechError, match="curves"):
+        guard.obstruction(np.empty((0, 2, 6)))
