@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
-from robomech_ros.errors import BadValueError, MissingInertiaError, NonFiniteError, WrongSizeError
+from robomech_ros.errors import BadValueError, MissingInertiaError, WrongSizeError
 from robomech_ros.robots.chain_layout import PRISMATIC, joint_transform, unpack_chain
-from robomech_ros.spatial.arrays import listed, real_array
+from robomech_ros.spatial.arrays import check_finite, listed, real_array
 from robomech_ros.spatial.screws.bodies import inertia_of_point_mass
 from robomech_ros.typing import Array
 
@@ -59,8 +59,7 @@ class Body:
             array = real_array(field, getattr(self, field))
             if array.shape != shape:
                 raise WrongSizeError(field, array.shape, shape)
-            if not np.isfinite(array).all():
-                raise NonFiniteError(field, array)
+            check_finite(field, array)
             if np.abs(array).max() > largest:
                 raise BadValueError(field, array.tolist(), f"magnitudes of at most {largest:g}")
             array.setflags(write=False)

@@ -6,10 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robomech_ros.numerics.arrays import check_kind
+from robomech_ros.errors import BadValueError
+from robomech_ros.numerics.arrays import check_kind, of_shape, shaped_array
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.robots.dh_recovery import INTERSECTING, PARALLEL_SINE
 from robomech_ros.robots.dh_table import DHTable
+from robomech_ros.spatial.arrays import listed
 
 
 class DHAmbiguity(NamedTuple):
@@ -57,7 +59,12 @@ def dh_ambiguities(table: DHTable) -> tuple[DHAmbiguity, ...]:
     ('parallel', ('b_2', 'b_3'))
     """
     check_kind("table", table, DHTable, "a DHTable")
-    n = len(table.a)
+    n = len(listed("a", table.a, "a number for each joint"))
+    if not n:
+        raise BadValueError("number of joints", n, "1 or more")
+    for name in ("a", "b", "alpha"):
+        shaped_array(name, getattr(table, name), (n,))
+    of_shape("types", np.asarray(table.types), (n,))
     reason = (
         "no axis precedes axis 1: frame 1 may slide along it and turn about it, because the base"
     )

@@ -13,7 +13,7 @@ from robomech_ros.dynamics.floating.chain import floating_efforts, floating_iner
 from robomech_ros.dynamics.model import GRAVITY
 from robomech_ros.errors import MissingInertiaError
 from robomech_ros.kinetostatics import bias_acceleration
-from robomech_ros.robots.bodies import Body
+from robomech_ros.robots.bodies import Body, possible_body
 from robomech_ros.spatial import cross_product_matrix
 from robomech_ros.spatial.arrays import as_single, check_kind
 from robomech_ros.typing import Array, ArrayLike
@@ -80,7 +80,7 @@ class WalkingDynamics:
         body = robot.trunk_body if trunk is None else trunk
         if body is None:
             raise MissingInertiaError([robot.trunk], robot.joint_names)
-        self.robot, self._models = robot, floating_models(robot.legs, body)
+        self.robot, self._models = robot, floating_models(robot.legs, possible_body("trunk", body))
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         """Compute the generalised inertia of the rates u, shape (6 + 3 k, 6 + 3 k).

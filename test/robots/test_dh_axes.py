@@ -1,5 +1,7 @@
 """Denavit-Hartenberg tables of lines: their chains have the joint axes that were given."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -118,3 +120,8 @@ def test_ambiguities_are_free_parameters_and_there_are_no_others():
     assert stanford[0].parameters == ("a_2", "b_2", "a_3", "b_3")
     with pytest.raises(BadValueError, match="expected a DHTable"):
         dh_ambiguities(None)
+    table = load_robot("puma560").dh
+    with pytest.raises(NonFiniteError, match=r"alpha\[0\] is nan"):
+        dh_ambiguities(replace(table, alpha=np.nan * table.alpha))
+    with pytest.raises(WrongSizeError, match="b has shape"):
+        dh_ambiguities(replace(table, b=table.b[:5]))
