@@ -48,6 +48,8 @@ _STEP = 1e-3
 # Step of finite differences over design parameters (relative to the size, or rad); part of the
 # greatest second derivative that counts as zero; largest part of the length in a flat direction.
 _DESIGN_STEP, _FLAT, _FREE = 1e-5, 1e-6, 1e-3
+# Second derivatives below this are rounding.
+_ROUNDED = 1e-9
 
 
 class CharacteristicLength(float):
@@ -197,7 +199,7 @@ def characteristic_length_gradient(chain: SerialChain) -> LengthGradient:
     task = task_part(chain, "pose")
     H = _second_derivatives(x, chain, task, 2.0)
     values, directions = np.linalg.eigh(H)
-    flat = np.abs(values) <= _FLAT * np.abs(values).max()
+    flat = np.abs(values) <= max(_FLAT * np.abs(values).max(), _ROUNDED)
     if np.abs(directions[-1, flat]).max(initial=0.0) > _FREE:
         expected = "one whose condition number depends on the length of its linear rows"
         raise BadValueError("chain", chain.name, expected)

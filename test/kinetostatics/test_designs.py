@@ -192,6 +192,9 @@ def test_a_tip_off_the_last_axis_makes_its_angle_count():
 
 
 def test_a_length_that_is_free_has_no_gradient():
+    slides = chain_from_dh([0.0] * 3, [0.0] * 3, [1.0] * 3, types=["prismatic"] * 3)
+    with pytest.raises(BadValueError, match="whose condition number depends on the length"):
+        characteristic_length_gradient(slides)
     with pytest.raises(BadValueError, match="whose condition number depends on the length"):
         characteristic_length_gradient(isotropic_wrist().chain)
 
