@@ -7,7 +7,8 @@ import pytest
 
 
 @pytest.mark.timeout(600)
-@pytest.mark.parametrize("seconds", [8, pytest.param(180, marks=pytest.mark.long)])
+@pytest.mark.long  # seventeen processes, beside which nothing else keeps its time
+@pytest.mark.parametrize("seconds", [8, 180])
 def test_clients_plan_and_move_while_objects_come_and_go(repository, shell_environment, seconds):
     pytest.importorskip("coal")
     command = [sys.executable, str(repository / "test/foreign_clients"), "--seconds", str(seconds)]
