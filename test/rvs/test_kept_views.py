@@ -14,7 +14,7 @@ from raw_client import PATIENCE, camera, inside_limits, send_value, slider, wait
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots import load_robot
 from robomech_ros.rvs.layers.recording import END, RecordingLayer
-from robomech_ros.rvs.model.recorder import MOST_POSTURES_KEPT, Recorder
+from robomech_ros.rvs.model.recorder import MOST_POSTURES_KEPT, NEAREST, Recorder
 from robomech_ros.rvs.model.view_state import ViewState, state_from_text, text_from_state
 
 PACK = msgspec.msgpack.encode
@@ -108,8 +108,9 @@ def test_what_the_arm_does_becomes_a_plan(page, commander, kept):
     slider = page._panel._sliders[2]._impl.uuid
     for value in (0.5, 0.75, 1.0):
         send_value(commander, slider, value)
-        wait_until(lambda v=value: page._arm.q[2] == v)
-    wait_until(lambda: len(kept.recorder._times) >= 3)
+        wait_until(lambda v=value: kept.recorder._q[-1][2] == v)
+        time.sleep(2.0 * NEAREST)  # nearer postures are one
+    assert len(kept.recorder._times) >= 3
     send_value(commander, kept.record._impl.uuid, True)
     wait_until(lambda: page._plan.name == "recording")
     assert page._plan.motion.q[-1, 2] == 1.0

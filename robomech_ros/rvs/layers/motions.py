@@ -291,10 +291,11 @@ class MotionLayer(Layer):
         self.player.load(0.0 if plan is None else plan.motion.duration)
         self._choose_traces()
         self._draw()
+        # The slider takes a time before the text names the plan.
+        self._load()
         name = self._place.plan.name
         if plan is not None and name != "plan":
             self._say(f"{name}: {plan.motion.duration:.2f} s", False)
-        self._load()
         self._move()
 
     def _draw(self) -> None:
