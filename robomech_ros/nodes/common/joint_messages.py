@@ -124,7 +124,7 @@ class TrajectoryPoints:
     def filled(
         self, times: Array | None, positions: Array, *rates: Array
     ) -> list[JointTrajectoryPoint]:
-        """Return m points at times (m,) (s), or all at 0, always with the same number of rates.
+        """Return m points at times (m,) (s), or always all at 0, always with as many rates.
 
         Positions, and velocities and accelerations if given, are of shape (m, n) (rad or m).
         """
@@ -139,7 +139,9 @@ class TrajectoryPoints:
             numbers = floats(values)
             for point, row in zip(points, rows, strict=True):
                 setattr(point, slot, numbers[row])
-        instants = [0] * m if times is None else np.rint(times * NANO).astype(np.int64).tolist()
+        if times is None:
+            return points
+        instants = np.rint(times * NANO).astype(np.int64).tolist()
         for point, instant in zip(points, instants, strict=True):
             time = point._time_from_start
             time._sec, time._nanosec = divmod(instant, NANO)

@@ -137,7 +137,7 @@ class JointPositions:
         if self.loops is not None:
             known = self.present_posture()
             return self._of(chain, self.loops.mechanism.home() if known is None else known)
-        chain = cast(SerialChain, chain)
+        assert isinstance(chain, SerialChain)
         present = self._monitor.positions(chain.joint_names)
         return chain.midrange() if present is None else np.clip(present, chain.lower, chain.upper)
 

@@ -53,11 +53,10 @@ class JointStateMonitor:
     def positions(self, joint_names: Sequence[str]) -> Array | None:
         """Return the present positions (rad or m), shape (n,); None while one is not known."""
         self._take_all(joint_names)
-        try:
-            states = [self._states[name].position for name in joint_names]
-        except KeyError:
+        states = self._states
+        if any(name not in states for name in joint_names):
             return None
-        return np.array(states, dtype=np.float64)
+        return np.array([states[name].position for name in joint_names], dtype=np.float64)
 
     def known_positions(self, joint_names: Sequence[str]) -> dict[str, float]:
         """Return the present positions (rad or m) of those of the joints that are known."""

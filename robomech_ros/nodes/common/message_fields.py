@@ -57,7 +57,8 @@ def fill_header(header: Header, frame: str, stamp: int) -> None:
     header.stamp.sec, header.stamp.nanosec = divmod(stamp, NANO)
 
 
-def duration_from_seconds(seconds: float) -> Duration:
-    """Convert s to a duration message, rounded to nanoseconds."""
-    whole, nano = divmod(round(seconds * NANO), NANO)
-    return Duration(sec=int(whole), nanosec=int(nano))
+def duration_from_seconds(seconds: float, message: Duration | None = None) -> Duration:
+    """Convert s to a duration message, rounded to nanoseconds; a given one is filled sooner."""
+    duration = Duration() if message is None else message
+    duration.sec, duration.nanosec = map(int, divmod(round(seconds * NANO), NANO))
+    return duration

@@ -90,9 +90,10 @@ def encode_result(
     response.complete = result.complete
     response.family = result.family
     response.blocking_joints = list(result.blocking_joints)
-    if getattr(result, "clearances", None) is not None:
-        response.clearances = floats(result.clearances)
-    response.solve_time = duration_from_seconds(solve_seconds)
+    clearances = getattr(result, "clearances", None)
+    if clearances is not None:
+        response.clearances = floats(clearances)
+    duration_from_seconds(solve_seconds, response.solve_time)
     response.error_code = int(result.status)
     response.error_msg = result.reason
     return response

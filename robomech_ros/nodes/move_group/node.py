@@ -16,7 +16,7 @@ from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.move_group.settings import MoveGroupSettings
-from robomech_ros.nodes.process.clean_pages import release_clean_pages
+from robomech_ros.nodes.process.resident_pages import settle_pages
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.outcomes import Code
 
@@ -110,7 +110,7 @@ class MoveGroupNode(Node):
         self.get_logger().info(f"ready: {model.chain.name}, {model.chain.n} joints{text}")
         # The first plan does not wait for it.
         self._worker.begin(ompl)
-        self._worker.begin(release_clean_pages)
+        self._worker.begin(settle_pages)
 
 
 def main(args: Sequence[str] | None = None) -> int:

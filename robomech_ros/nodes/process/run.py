@@ -30,9 +30,9 @@ from rclpy.utilities import remove_ros_args
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.parameters import table_rows
-from robomech_ros.nodes.process.clean_pages import release_clean_pages
 from robomech_ros.nodes.process.entry_points import EXIT_CANNOT_START
 from robomech_ros.nodes.process.memory import bound_memory, give_back_regularly
+from robomech_ros.nodes.process.resident_pages import settle_pages
 from robomech_ros.nodes.process.simulated_clock import watch_for_simulated_time
 
 EXIT_FAILED = 1
@@ -179,7 +179,7 @@ def run_nodes(factories: Sequence[Callable[[], Node]], args: Sequence[str] | Non
         return _end(nodes, _start_failed(program, error))
     watch_for_duplicate_nodes(nodes)
     watch_for_simulated_time(nodes)
-    release_clean_pages()
+    settle_pages()
     give_back_regularly()
     # What there is by now stays: to look through it for garbage is a pause for nothing.
     gc.freeze()

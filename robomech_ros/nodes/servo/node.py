@@ -17,7 +17,7 @@ from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.middleware.queue_depth import serve
-from robomech_ros.nodes.process.clean_pages import release_clean_pages
+from robomech_ros.nodes.process.resident_pages import settle_pages
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.nodes.servo.driver import Driver
 from robomech_ros.nodes.servo.settings import ServoNodeSettings, check_settings, core_settings
@@ -80,7 +80,7 @@ class ServoNode(Node):
             f"{settings.publish_rate:g} Hz to '{driver.stream.topic}'"
         )
         # The search for the length has loaded more.
-        release_clean_pages()
+        settle_pages()
         driver.wake()
 
     def _pause(self, request: Any, response: Any) -> Any:

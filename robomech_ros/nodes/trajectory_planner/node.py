@@ -26,7 +26,7 @@ from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.move_group.monitored_scene import MonitoredScene
-from robomech_ros.nodes.process.clean_pages import release_clean_pages
+from robomech_ros.nodes.process.resident_pages import settle_pages
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.nodes.trajectory_planner.cartesian_messages import (
     encode_path_plan,
@@ -101,7 +101,7 @@ class TrajectoryPlannerNode(Node):
             # 20 MB and a third of a second to load.
             self._worker.begin(partial(self._plan_once, profile, profile != "cubic_spline"))
         self._worker.begin(self._motions.warm_up)
-        self._worker.begin(release_clean_pages)
+        self._worker.begin(settle_pages)
 
     def _plan_once(self, profile: str, via: bool = True) -> None:
         """Plan, also through a via point if wanted, so that the next request finds all loaded."""
