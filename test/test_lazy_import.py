@@ -6,10 +6,12 @@ import re
 
 import pytest
 
-from robomech_ros import cartesian, dynamics, kinematics, kinetostatics, trajectory
+from robomech_ros import cartesian, collision, dynamics, kinematics, kinetostatics, trajectory
 
 
-@pytest.mark.parametrize("package", [cartesian, dynamics, kinematics, kinetostatics, trajectory])
+@pytest.mark.parametrize(
+    "package", [cartesian, collision, dynamics, kinematics, kinetostatics, trajectory]
+)
 def test_everything_exported_is_there_under_a_name_of_its_own(package):
     """A module of the same name would take its place as soon as it is imported."""
     modules = {found.name for found in pkgutil.iter_modules(package.__path__)}

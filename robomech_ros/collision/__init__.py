@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from robomech_ros.collision.meshes import Mesh as Mesh
     from robomech_ros.collision.motion_proof import MotionCheck as MotionCheck
     from robomech_ros.collision.path_ends import stop_before_contact as stop_before_contact
+    from robomech_ros.collision.path_timing import (
+        NotFreeError as NotFreeError,
+        timed_path as timed_path,
+    )
     from robomech_ros.collision.planning import PathPlan as PathPlan, PlanStatus as PlanStatus
     from robomech_ros.collision.scene import PlanningScene as PlanningScene
     from robomech_ros.collision.scene_objects import SceneObject as SceneObject
@@ -26,10 +30,6 @@ if TYPE_CHECKING:
         Plane as Plane,
         Shape as Shape,
         Sphere as Sphere,
-    )
-    from robomech_ros.collision.timed_path import (
-        NotFreeError as NotFreeError,
-        timed_path as timed_path,
     )
     from robomech_ros.robots.urdf.mesh_files import MeshError as MeshError
 

@@ -20,8 +20,8 @@ from robomech_ros.collision import (
     timed_path,
 )
 from robomech_ros.collision.libraries import PLANNERS
+from robomech_ros.collision.path_timing import NotFreeError
 from robomech_ros.collision.robot_bodies import link_shapes
-from robomech_ros.collision.timed_path import NotFreeError
 from robomech_ros.errors import (
     BadValueError,
     NonFiniteError,
