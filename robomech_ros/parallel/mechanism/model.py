@@ -265,7 +265,7 @@ class Mechanism(LoopMotion):
         return float(values[-1] / values[0])
 
     def scaled_twists(self, q: Array) -> Array:
-        """Return :meth:`twist_matrix` with lengths of platform and drives over the size."""
+        """Return `twist_matrix` with lengths of platform and drives over the size."""
         twists = self.twist_matrix(q) / self.loops.weights[self.drive_index]
         twists[..., 3:, :] /= self.size
         return twists
