@@ -1,4 +1,4 @@
-"""The examples in doc/: every block of Python runs, every robot in YAML loads; no ROS needed."""
+"""The examples in doc/: blocks of Python run alone, robots in YAML load; no ROS needed."""
 
 import ast
 import re
@@ -9,7 +9,8 @@ import pytest
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.robots import list_robots, load_robot
 
-DOC = Path(__file__).resolve().parent.parent / "doc"
+ROOT = Path(__file__).resolve().parent.parent
+DOC = ROOT / "doc"
 PAGES = sorted([*DOC.glob("*.md"), *DOC.glob("notebooks/*.md")])
 
 
@@ -32,23 +33,31 @@ def agrees(value: object, shown: str) -> bool:
     return abs(float(value) - wanted) <= half * (1.0 + 1e-9)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "python")], ids=lambda p: p.stem)
-def test_python_examples_run_and_give_what_their_comments_say(page, monkeypatch, tmp_path):
+@pytest.mark.parametrize(
+    "source",
+    [
+        pytest.param(source, id=f"{page.stem}-{number}")
+        for page in [ROOT / "README.md", *PAGES]
+        for number, source in enumerate(blocks(page, "python"), start=1)
+    ],
+)
+def test_a_python_block_runs_alone_and_gives_what_its_comments_say(source, monkeypatch, tmp_path):
+    # As in the folder of the repository, but for the files that it writes.
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
     names: dict[str, object] = {}
-    for source in blocks(page, "python"):
-        lines = source.splitlines()
-        for statement in ast.parse(source).body:
-            text = ast.unparse(statement)
-            exec(compile(text, str(page), "exec"), names)
-            shown = SHOWN.search(lines[(statement.end_lineno or 1) - 1])
-            if shown is None:
-                continue
-            if isinstance(statement, ast.Assign):
-                value = names[ast.unparse(statement.targets[0])]
-            else:
-                value = eval(text, names)
-            assert agrees(value, shown[1]), f"{text} gives {value}, not {shown[1]}"
+    lines = source.splitlines()
+    for statement in ast.parse(source).body:
+        text = ast.unparse(statement)
+        exec(compile(text, "block", "exec"), names)
+        shown = SHOWN.search(lines[(statement.end_lineno or 1) - 1])
+        if shown is None:
+            continue
+        if isinstance(statement, ast.Assign):
+            value = names[ast.unparse(statement.targets[0])]
+        else:
+            value = eval(text, names)
+        assert agrees(value, shown[1]), f"{text} gives {value}, not {shown[1]}"
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)
@@ -68,7 +77,7 @@ def test_every_page_is_in_the_table_of_contents():
 def test_robot_in_yaml_loads_and_the_file_beside_a_urdf_is_accepted(tmp_path):
     table, beside = blocks(DOC / "robots.md", "yaml")
     assert load_robot(table).joint_names == ("joint_1", "joint_2")
-    robots = DOC.parent / "config" / "robots"
+    robots = ROOT / "config" / "robots"
     (tmp_path / "arm.urdf").write_bytes((robots / "ur5e.urdf").read_bytes())
     (tmp_path / "arm.yaml").write_text(beside, encoding="utf-8")
     assert load_robot(tmp_path / "arm.urdf").jerk[0] == 31.416
@@ -94,7 +103,7 @@ def test_every_robot_is_in_the_table_with_its_family():
 def test_every_error_code_is_explained():
     text = (DOC / "interfaces.md").read_text(encoding="utf-8")
     explained = re.findall(r"^\| (\d+) \| `(\w+)` \|", text, re.MULTILINE)
-    definition = DOC.parent / "robomech_interfaces" / "msg" / "ErrorCode.msg"
+    definition = ROOT / "robomech_interfaces" / "msg" / "ErrorCode.msg"
     constants = re.findall(r"^uint16 (\w+)=(\d+)", definition.read_text("utf-8"), re.MULTILINE)
     assert explained == [(number, name) for name, number in constants]
 
@@ -110,7 +119,7 @@ def test_every_folder_of_the_package_is_in_the_architecture():
             del above[line.index(names[0]) // 4 - 1 :]
             shown |= {"/".join([*above, name]) for name in names}
             above.append(names[0])
-    package = DOC.parent / "robomech_ros"
+    package = ROOT / "robomech_ros"
     folders = {str(path.parent.relative_to(package)) for path in package.rglob("*.py")} - {"."}
     assert shown == folders
 
@@ -118,7 +127,6 @@ def test_every_folder_of_the_package_is_in_the_architecture():
 @pytest.mark.parametrize("page", ["architecture", "extending"])
 def test_every_module_that_is_named_is_there(page):
     text = (DOC / f"{page}.md").read_text(encoding="utf-8")
-    root = DOC.parent
-    modules = [path.relative_to(root).as_posix() for path in root.glob("*/**/*.py")]
+    modules = [path.relative_to(ROOT).as_posix() for path in ROOT.glob("*/**/*.py")]
     for named in re.findall(r"`([\w/]+\.py)`", text):
         assert any(f"/{module}".endswith(f"/{named}") for module in modules), named
