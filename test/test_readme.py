@@ -1,4 +1,4 @@
-"""Services and calls in README.md, compared with the interface definitions; no ROS needed."""
+"""The README, the table of what nodes serve, and the table of questions; no ROS needed."""
 
 import re
 from pathlib import Path
@@ -7,7 +7,10 @@ import pytest
 import yaml
 
 ROOT = Path(__file__).resolve().parent.parent
+DOC = ROOT / "doc"
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+SERVED = (DOC / "nodes.md").read_text(encoding="utf-8")
+QUESTIONS = (DOC / "questions.md").read_text(encoding="utf-8")
 NODES = sorted((ROOT / "robomech_ros" / "nodes").rglob("*.py"))
 INTERFACES = ROOT / "robomech_interfaces"
 FIELD = re.compile(r"^[A-Za-z][\w/]*(?:\[\d*\])?\s+([a-z]\w*)$")
@@ -39,8 +42,8 @@ def section(heading: str) -> str:
 
 
 def served() -> list[tuple[list[str], str]]:
-    """Return the names and the type of each row of the table under "What it serves"."""
-    rows = [line for line in section("What it serves").splitlines() if line.startswith("|")][2:]
+    """Return the names and the type of each row of the table of what nodes serve."""
+    rows = [line for line in SERVED.splitlines() if line.startswith("|")][2:]
     cells = [row.strip("|").split("|") for row in rows]
     quoted = [[re.findall(r"`([^`]+)`", cell) for cell in row] for row in cells]
     return [(row[1], row[2][0]) for row in quoted]
@@ -103,14 +106,32 @@ def test_the_answer_shows_all_fields_of_the_response():
     assert len(shown["solutions"]) == len(shown["branches"]) > 1
 
 
-def test_every_page_of_the_documentation_is_linked_and_every_link_leads_somewhere():
-    targets = {target.split("#")[0] for target in re.findall(r"\]\(([^)]+)\)", README)}
-    # These include what stands elsewhere in the repository.
-    included = {"doc/contributing.md", "doc/examples.md"}
-    pages = {f"doc/{p.name}" for p in (ROOT / "doc").glob("*.md")} - included
-    assert pages | {"CONTRIBUTING.md", "CHANGELOG.rst", "examples/README.md"} <= targets
-    for target in targets:
+def targets(text: str) -> set[str]:
+    """Return the files that a page links to."""
+    found = {target.split("#")[0] for target in re.findall(r"\]\(([^)]+)\)", text)}
+    return {target for target in found if target and not target.startswith("http")}
+
+
+def test_every_page_is_in_the_table_of_questions_and_links_of_the_readme_lead_somewhere():
+    pages = {path.name for path in DOC.iterdir() if path.suffix in (".md", ".rst")}
+    assert targets(QUESTIONS) == pages - {"index.md", "questions.md"} | {"notebooks/index.md"}
+    for target in targets(README):
         assert (ROOT / target).is_file(), target
+
+
+def test_the_readme_begins_with_one_screen():
+    above, _ = README.split("\n|", 1)
+    assert len(above.splitlines()) <= 30
+    commands = re.findall(r"^```sh\n(.*?)^```", above, re.DOTALL | re.MULTILINE)[0].splitlines()
+    assert len(commands) == 2
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for command in commands:
+        assert f"\n{command.split()[1]}:" in makefile
+    (picture,) = re.findall(r"!\[[^]]+\]\(([^)]+)\)", above)
+    data = (ROOT / picture).read_bytes()
+    assert data.startswith(b"GIF89a")
+    assert b"NETSCAPE2.0" in data  # it moves, again and again
+    assert len(data) <= 1_000_000
 
 
 @pytest.mark.parametrize(
@@ -123,8 +144,8 @@ def test_every_page_of_the_documentation_is_linked_and_every_link_leads_somewher
     ],
 )
 def test_a_question_leads_to_a_page_with_the_answer(question, found):
-    (row,) = [line for line in section("Documentation").splitlines() if question in line]
-    pages = [(ROOT / page).read_text("utf-8") for page in re.findall(r"\]\(([^)#]+)", row)]
+    (row,) = [line for line in QUESTIONS.splitlines() if question in line]
+    pages = [(DOC / page).read_text("utf-8") for page in re.findall(r"\]\(([^)#]+)", row)]
     answers = [page for page in pages if found in page]
     assert answers
     assert question.removeprefix("where a ").lower() in answers[0].lower()

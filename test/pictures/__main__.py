@@ -8,6 +8,8 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +23,8 @@ from controls import button, field, heading, press, write  # noqa: E402
 from raw_client import wait_until  # noqa: E402
 from world_cases import HERE as BESIDE, ROBOT, SCENE  # noqa: E402
 
+from robomech_ros.kinematics import branch_path, forward_kinematics  # noqa: E402
+from robomech_ros.robots import load_robot  # noqa: E402
 from robomech_ros.rvs import Motion, view  # noqa: E402
 from robomech_ros.trajectory import point_to_point  # noqa: E402
 
@@ -31,6 +35,10 @@ COLOURS, MOST = 256, 200_000
 # A posture that is far from singular, and what is drawn in so many frames has settled.
 Q = [0.3, -1.2, 1.5, -0.8, 0.9, 0.2]
 SETTLED = 30
+# The moving picture: name, frames, how long each is seen (ms), radius of the circle (m).
+MOVING, FRAMES, PERIOD, RADIUS = "moving_postures", 40, 90, 0.1
+# The part of the page that it shows, its size, its colours, and its most bytes.
+SCENE_PART, SMALLER, FEWER, MOST_MOVING = (0, 0, 732, 680), (560, 520), 64, 1_000_000
 
 
 def robot(page, tab) -> None:
@@ -131,8 +139,9 @@ PICTURES: dict[str, tuple] = {
 }
 
 
-def draw(name: str) -> Path:
-    """Write one picture."""
+@contextmanager
+def opened(name: str) -> Iterator[tuple]:
+    """Open the page of a picture in a browser, and prepare it."""
     what, prepare, *scene = PICTURES[name]
     with view(what, port=0, scene=scene[0] if scene else None) as page:
         tab = Tab(f"{page.url}&fixedDpr=1", WIDTH, HEIGHT)
@@ -144,12 +153,40 @@ def draw(name: str) -> Path:
             prepare(page, tab)
             tab.wait_for("!document.querySelector('.mantine-Notification-root')")
             tab.frames(SETTLED)
-            with tempfile.TemporaryDirectory() as folder:
-                raw = Path(folder) / "raw.png"
-                tab.picture(raw)
-                return compressed(raw, IMAGES / f"{name}.png")
+            yield page, tab
         finally:
             tab.close()
+
+
+def draw(name: str) -> Path:
+    """Write one picture."""
+    with opened(name) as (_, tab), tempfile.TemporaryDirectory() as folder:
+        raw = Path(folder) / "raw.png"
+        tab.picture(raw)
+        return compressed(raw, IMAGES / f"{name}.png")
+
+
+def draw_moving() -> Path:
+    """Write the moving picture: the tip goes round a circle, and all postures follow."""
+    arm, a = load_robot("ur5e"), np.linspace(0.0, 2.0 * np.pi, FRAMES, endpoint=False)
+    poses = np.tile(forward_kinematics(arm, Q), (FRAMES, 1, 1))
+    poses[:, 0, 3] += RADIUS * (np.cos(a) - 1.0)
+    poses[:, 2, 3] += RADIUS * np.sin(a)
+    frames = []
+    with opened("view_ghosts") as (page, tab), tempfile.TemporaryDirectory() as folder:
+        page.show("gizmo", False)
+        for q in branch_path(arm, poses, start=Q).q:
+            take(page, q)
+            tab.frames(6)
+            tab.picture(Path(folder) / "raw.png")
+            with Image.open(Path(folder) / "raw.png") as picture:
+                frames.append(picture.convert("RGB").crop(SCENE_PART).resize(SMALLER))
+    # One palette for all frames, so that what stands still is the same in each.
+    palette = frames[0].quantize(FEWER, method=Image.Quantize.FASTOCTREE)
+    first, *others = (one.quantize(palette=palette, dither=Image.Dither.NONE) for one in frames)
+    path = IMAGES / f"{MOVING}.gif"
+    first.save(path, save_all=True, append_images=others, duration=PERIOD, loop=0, optimize=True)
+    return checked_size(path, MOST_MOVING)
 
 
 def compressed(raw: Path, path: Path) -> Path:
@@ -159,21 +196,26 @@ def compressed(raw: Path, path: Path) -> Path:
     plain.save(path, optimize=True)
     if path.stat().st_size > MOST:
         plain.quantize(COLOURS, method=Image.Quantize.FASTOCTREE).save(path, optimize=True)
+    return checked_size(path, MOST)
+
+
+def checked_size(path: Path, most: int) -> Path:
+    """Return a picture's path, or end the program if the picture has more bytes."""
     size = path.stat().st_size
-    if size > MOST:
-        raise SystemExit(f"pictures: {path.name} has {size} bytes, at most {MOST} are wanted")
+    if size > most:
+        raise SystemExit(f"pictures: {path.name} has {size} bytes, at most {most} are wanted")
     return path
 
 
 def main() -> None:
     """Remake the pictures that are asked for."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--only", choices=sorted(PICTURES), help="one picture")
+    parser.add_argument("--only", choices=sorted([*PICTURES, MOVING]), help="one picture")
     only = parser.parse_args().only
     if chromium() is None:
         raise SystemExit("pictures: no Chromium is found here: sudo apt-get install chromium")
-    for name in [only] if only else PICTURES:
-        path = draw(name)
+    for name in [only] if only else [*PICTURES, MOVING]:
+        path = draw_moving() if name == MOVING else draw(name)
         print(f"pictures: {path} ({path.stat().st_size // 1000} kB)")
 
 
