@@ -4,6 +4,7 @@ from functools import partial
 from itertools import combinations
 
 import numpy as np
+from rclpy.task import Future
 
 from robomech_ros.collision import Clearance, PlanningScene
 from robomech_ros.collision.planning import in_words
@@ -12,7 +13,7 @@ from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.move_group.world import SceneObject, World
 from robomech_ros.nodes.moveit.whole_robot import Positions
-from robomech_ros.robots import SerialChain
+from robomech_ros.robots import DisabledCollision, SerialChain
 
 
 class Scenes:
@@ -36,6 +37,7 @@ class Scenes:
         self._model, self._worker, self._padding = model, worker, padding
         self.world = World(model.base_frame, model.description.links, model.link_of)
         self._followers: dict[tuple[str, str], _Follower] = {}
+        self._remaking: Future | None = None
         self._configured()
 
     def adopt(self, world: World, positions: Positions) -> None:
@@ -54,18 +56,20 @@ class Scenes:
 
         It is good until the next await; longer work takes a copy.
         """
-        follower = self._follower(chain)
-        if follower is None:
+        follower = self._followers.get((chain.base, chain.tip))
+        if follower is None or self._is_outdated(follower):
             follower = await self._worker.do(partial(self._made, chain))
-            self._followers[chain.base, chain.tip] = follower
         return follower.at(self.world, positions)
 
     def at_once(self, chain: SerialChain, positions: Positions) -> PlanningScene:
-        """Return the same, but block until it is made."""
-        return self._follower_made(chain).at(self.world, positions)
+        """Return the same, but block until it is made.
+
+        After a change of the SRDF the earlier scene serves until the worker has made a new one.
+        """
+        return self._present(chain).at(self.world, positions)
 
     def whole(self, positions: Positions) -> PlanningScene:
-        """Return the scene of the configured chain, as `of` does."""
+        """Return the scene of the configured chain, as `at_once` does."""
         return self._configured().at(self.world, positions)
 
     def ignored(self, positions: Positions) -> set[frozenset[str]]:
@@ -94,31 +98,42 @@ class Scenes:
         return self.whole({}).unchecked_text
 
     def _configured(self) -> "_Follower":
-        return self._follower_made(self._model.chain)
+        return self._present(self._model.chain)
 
-    def _follower_made(self, chain: SerialChain) -> "_Follower":
-        follower = self._follower(chain)
-        if follower is None:
-            follower = self._followers[chain.base, chain.tip] = self._made(chain)
-        return follower
-
-    def _follower(self, chain: SerialChain) -> "_Follower | None":
-        """Return the follower of a chain; None if there is none with the pairs of the SRDF."""
+    def _present(self, chain: SerialChain) -> "_Follower":
         follower = self._followers.get((chain.base, chain.tip))
-        if follower is not None and follower.disabled != self._model.semantic.disabled_collisions:
-            return None
+        if follower is None:
+            return self._made(chain)
+        if self._is_outdated(follower) and (self._remaking is None or self._remaking.done()):
+            self._remaking = self._worker.begin(partial(self._made, chain))
         return follower
+
+    def _is_outdated(self, follower: "_Follower") -> bool:
+        return follower.disabled != self._model.semantic.disabled_collisions
 
     def _made(self, chain: SerialChain) -> "_Follower":
-        scene = PlanningScene(chain, srdf=self._model.semantic, padding=self._padding)
-        return _Follower(scene, self.world.copy(empty=True), self._model)
+        """Make the follower of a chain, unless earlier work has made it; this takes seconds."""
+        follower = self._followers.get((chain.base, chain.tip))
+        if follower is None or self._is_outdated(follower):
+            semantic = self._model.semantic
+            scene = PlanningScene(chain, srdf=semantic, padding=self._padding)
+            empty = self.world.copy(empty=True)
+            follower = _Follower(scene, empty, self._model, semantic.disabled_collisions)
+            self._followers[chain.base, chain.tip] = follower
+        return follower
 
 
 class _Follower:
     """The scene of one chain, brought up to date when it is asked for."""
 
-    def __init__(self, scene: PlanningScene, empty: World, model: RobotModel) -> None:
-        self.disabled, self._model = model.semantic.disabled_collisions, model
+    def __init__(
+        self,
+        scene: PlanningScene,
+        empty: World,
+        model: RobotModel,
+        disabled: tuple[DisabledCollision, ...],
+    ) -> None:
+        self.disabled, self._model = disabled, model
         self._bare, self._scene = scene, scene.copy()
         self._empty = self._world = empty
         self._others: dict[str, float] = {}

@@ -1,6 +1,8 @@
 """Inverse kinematics and plans of the other nodes, which follow the scene of move_group."""
 
+import threading
 from copy import deepcopy
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,17 +10,22 @@ from geometry_msgs.msg import PoseStamped
 from move_group_client import HERE, UR5E, Client, box
 from sensor_msgs.msg import JointState
 from shaped_arm import shaped_ur5e
+from waiting import until
 
 from robomech_interfaces.srv import PlanCartesian, PlanJoint, SolveIK
 from robomech_ros.collision import Box, PlanningScene
 from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
+from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.nodes.move_group.node import MoveGroupNode
+from robomech_ros.nodes.move_group.scenes import Scenes
 from robomech_ros.nodes.move_group.world import World
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.outcomes import Code
+from robomech_ros.robots import DisabledCollision, load_description
 
 # On the other side of the wall.
 THERE = np.array([-1.0, *HERE[1:]])
@@ -178,3 +185,19 @@ def test_shapes_that_stay_are_not_read_again():
     assert not after.keep(moved, before)
     moved.id = "other"
     assert not after.keep(moved, before)
+
+
+def test_an_srdf_that_arrives_late_is_followed_by_the_worker(graph):
+    model, worker = RobotModel(load_description(shaped_ur5e())), Worker(graph.client)
+    scenes, done = Scenes(model, worker, 0.0), threading.Event()
+    before = scenes.whole({})
+    worker.begin(done.wait)
+    disabled = DisabledCollision("upper_arm_link", "wrist_3_link", "never")
+    model.learn(replace(model.semantic, disabled_collisions=(disabled,)))
+    # The caller does not wait for the worker, and the earlier scene checks more pairs.
+    assert all(scenes.whole({}) is before for _ in range(3))
+    done.set()
+    until(lambda: scenes.whole({}) is not before)
+    pair = ("upper_arm_link", "wrist_3_link")
+    assert pair in scenes.whole({}).ignored and pair not in before.ignored
+    worker.close()
