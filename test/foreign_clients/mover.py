@@ -9,8 +9,8 @@ import json
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -34,9 +34,12 @@ from rclpy.action import ActionClient
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from connected_clients import connect
+
 # Every goal and request must be answered within this time, s.
 PATIENCE = 60.0
-_AGAIN = 2.0
 _PLANNING = 2.0
 _SPEEDS, _PAUSES = (0.1, 0.6), (0.0, 1.5)
 # Codes whose text is told: a robot that ten clients move and that objects hit has no such reasons.
@@ -73,27 +76,9 @@ class Mover:
         self.longest = 0.0
 
     def connect(self) -> None:
-        """Ask each service and action until it answers: before, the middleware loses answers."""
-        for name, client in self._services.items():
-            assert client.wait_for_service(PATIENCE), f"no {name}"
-            self._repeat(name, partial(client.call_async, client.srv_type.Request()))
-        for name, action, kind in (
-            ("move_action", self._move, MoveGroup),
-            ("execute_trajectory", self._execute, ExecuteTrajectory),
-        ):
-            assert action.wait_for_server(PATIENCE), f"no {name}"
-            handle = self._repeat(name, partial(action.send_goal_async, kind.Goal()))
-            if handle.accepted:
-                self._repeat(name, handle.get_result_async)
-
-    def _repeat(self, name: str, ask: Callable[[], Any]) -> Any:
-        until = time.monotonic() + PATIENCE
-        while time.monotonic() < until:
-            future = ask()
-            rclpy.spin_until_future_complete(self._node, future, timeout_sec=_AGAIN)
-            if future.done():
-                return future.result()
-        raise AssertionError(f"{name} does not answer")
+        """Ask each service and action until it answers."""
+        wait = partial(rclpy.spin_until_future_complete, self._node)
+        connect(self._node, lambda future, seconds: wait(future, timeout_sec=seconds))
 
     def act(self) -> None:
         """Do one thing of many."""

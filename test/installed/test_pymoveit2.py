@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from connected_clients import connect
 from moveit_msgs.msg import MoveItErrorCodes, PlanningSceneComponents
 from moveit_msgs.srv import GetPlanningScene, GetStateValidity
 from shape_msgs.msg import SolidPrimitive
@@ -17,7 +18,6 @@ from robomech_ros.collision import Box, PlanningScene
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, pose_from_matrix
-from robomech_ros.nodes.middleware.retrying_client import RetriedRequest
 from robomech_ros.robots import load_description
 
 pymoveit2 = pytest.importorskip("pymoveit2")
@@ -61,22 +61,15 @@ def made(outsider, kind, **options):
     return done(outsider.node.executor.create_task(make))
 
 
-def wait_until_known(outsider):
-    """Wait until the nodes know the clients of this process, and not only these the nodes.
+def wait_until_connected(outsider):
+    """Ask each service and action of all clients until it answers."""
 
-    Until then answers are lost (https://github.com/ros2/rmw_fastrtps/issues/842).
-    """
-    client = outsider.node.create_client(GetPlanningScene, "get_planning_scene")
-    assert client.wait_for_service(PATIENCE)
-    request = RetriedRequest(client, GetPlanningScene, GetPlanningScene.Request())
-    deadline = time.monotonic() + PATIENCE
-    while not request.answered.done():
-        assert time.monotonic() < deadline
-        request.repeat_if_due()
-        time.sleep(0.05)
-    request.give_up()
-    # What else there is of both processes becomes known at the same time.
-    time.sleep(1.0)
+    def wait(future, seconds):
+        deadline = time.monotonic() + seconds
+        while not future.done() and time.monotonic() < deadline:
+            time.sleep(0.01)
+
+    connect(outsider.node, wait)
 
 
 class Arm:
@@ -95,6 +88,11 @@ class Arm:
         )
         self.moveit.max_velocity = self.moveit.max_acceleration = 0.5
         self.moveit.allowed_planning_time = 20.0
+        # They would be made by the first request.
+        for kind in ("fk", "ik"):
+            done(outsider.node.executor.create_task(self.moveit._MoveIt2__kinematics_client, kind))
+        outsider.client(GetPlanningScene, "get_planning_scene")
+        outsider.client(GetStateValidity, "check_state_validity")
 
     @property
     def position(self):
@@ -138,7 +136,7 @@ def arm(bringup, outsider, tmp_path):
         arguments = ("--robot", str(urdf), "--move-group", "--no-servo")
         with bringup(*arguments):
             client = Arm(outsider, **options)
-            wait_until_known(outsider)
+            wait_until_connected(outsider)
             outsider.wait_for_joints(lambda q: True)
             client.go(HERE)
             try:
@@ -280,6 +278,7 @@ def test_a_gripper(bringup, outsider, tmp_path):
             closed_gripper_joint_positions=0.0,
             gripper_command_action_name="gripper_controller/gripper_cmd",
         )
+        wait_until_connected(outsider)
         outsider.wait_for_joints(lambda q: "grip" in q)
         for move, place in ((gripper.open, 0.04), (gripper.close, 0.0)):
             deadline = time.monotonic() + PATIENCE
@@ -300,7 +299,7 @@ def test_a_servo(bringup, suite, outsider, tmp_path):
         suite.node("servo_node", *options),
     ):
         client = Arm(outsider)
-        wait_until_known(outsider)
+        wait_until_connected(outsider)
         client.go(HERE)
         start = forward_kinematics(UR5E, client.position)
         servo = made(
