@@ -11,10 +11,10 @@ from robomech_ros._kernels.collision.grids import CELLS
 from robomech_ros._kernels.collision.shapes import DRIVE, GAIN, KIND, PARENT, SPHERES
 from robomech_ros._kernels.collision.tables import Tables
 from robomech_ros.collision.placed_bodies import PlacedBody
-from robomech_ros.collision.robot_bodies import as_row
 from robomech_ros.typing import Array, IntArray
 
-_NO_PAIRS = np.empty((0, 5))
+_NO_PAIRS, _NO_SPHERES, _NO_CORNERS = np.empty((0, 5)), np.empty((0, 8)), np.empty((0, 3))
+_NO_NUMBERS = np.empty(0, dtype=np.int64)
 # Most scenes of a robot with kept bounds; they differ in joints beside the chain.
 _MOST_KNOWN = 4
 
@@ -35,35 +35,85 @@ def fill_tables(
     grids : tuple of ndarray
         As from `group_grids`.
     """
-    spheres, bodies, first, corner = [np.empty((0, 8))], [], 0, 0
-    for one in placed:
+    poses = np.array([one.pose for one in placed]).reshape(-1, 4, 4)
+    covers = [one.spheres for one in placed]
+    ends = np.cumsum([len(cover) for cover in covers], dtype=np.int64)
+    spheres = np.concatenate([_NO_SPHERES, *covers])
+    of_spheres = np.repeat(np.arange(len(placed)), np.diff(ends, prepend=0))
+    for column in (0, 4):
+        centres = slice(column, column + 3)
+        spheres[:, centres] = _moved(poses[of_spheres], spheres[:, centres])
+    around = np.array([one.around for one in placed]).reshape(-1, 4)
+    around[:, :3] = _moved(poses, around[:, :3])
+    bodies, corner = [], 0
+    for one, end in zip(placed, ends.tolist(), strict=True):
         count = len(one.spheres)
         kind = SPHERES if count else one.body.kind
-        row = [one.frame, first, first + count, kind, one.body.exact]
+        row = [one.frame, end - count, end, kind, one.body.exact]
         bodies.append([*row, corner, one.body.radius, one.body.hull_kind])
-        moved = one.spheres.copy()
-        for column in (0, 4):
-            moved[:, column : column + 3] = _moved(one.pose, one.spheres[:, column : column + 3])
-        spheres.append(moved)
-        first += count
         corner += len(one.body.corners)
-    around = [[*_moved(one.pose, one.around[:3]), one.around[3]] for one in placed]
-    shapes = [[*as_row(one.pose @ one.body.pose), *one.body.sizes] for one in placed]
+    within = np.array([one.body.pose for one in placed]).reshape(-1, 4, 4)
+    sizes = np.array([one.body.sizes for one in placed]).reshape(-1, 3)
+    wholes = _bodies_around_groups(placed, of_spheres, spheres, pairs, grids[0])
     tables = Tables(
         joints,
-        np.array(bodies, dtype=np.float64).reshape(-1, 8),
-        np.array(around).reshape(-1, 4),
-        np.concatenate(spheres),
-        np.array(shapes).reshape(-1, 15),
-        np.array([as_row(one.pose) for one in placed]).reshape(-1, 12),
+        np.concatenate([np.array(bodies, dtype=np.float64).reshape(-1, 8), wholes[0]]),
+        np.concatenate([around, wholes[1]]),
+        spheres,
+        np.concatenate([_as_rows(poses @ within), sizes], axis=1),
+        _as_rows(poses),
         pairs,
-        *_hulls(placed),
+        *_hulls(placed, poses),
         np.zeros((len(pairs), 5)),
         *grids,
     )
     # The first search for a plane between a pair begins at the first corner of each body.
     tables.axes[:, 3:] = tables.bodies[pairs[:, :2].astype(np.int64), 5]
     return tables
+
+
+def _side(placed: Sequence[PlacedBody], k: int) -> tuple[str, int]:
+    """Return the key of all bodies that stand on one side of a group together with body k."""
+    one = placed[k]
+    if not len(one.spheres):
+        return "", -1 - k
+    return (one.owner, one.frame) if one.is_carried else ("", one.frame)
+
+
+def _bodies_around_groups(
+    placed: Sequence[PlacedBody], of_spheres: IntArray, spheres: Array, pairs: Array, grids: Array
+) -> tuple[Array, Array]:
+    """Return rows of bodies, and spheres, around the sides of all groups with several pairs.
+
+    Their numbers are written to the grids.
+    """
+    sides = [_side(placed, k) for k in range(len(placed))]
+    members: dict[tuple[str, int], list[int]] = {}
+    for k, side in enumerate(sides):
+        members.setdefault(side, []).append(k)
+    numbers: dict[tuple[str, int], int] = {}
+    bodies, around = [np.empty((0, 8))], [np.empty((0, 4))]
+    for row in grids:
+        if row[4] == row[3] + 1:
+            continue
+        for i, k in enumerate(pairs[int(row[3]), :2].astype(int).tolist()):
+            alone = len(members[sides[k]]) == 1
+            if not alone and sides[k] not in numbers:
+                numbers[sides[k]] = len(placed) + len(numbers)
+                covers = spheres[np.isin(of_spheres, members[sides[k]])]
+                around.append(_sphere_around(covers))
+                bodies.append(np.array([[placed[k].frame, 0, 0, SPHERES, 0, 0, 0, 0]], dtype=float))
+            row[5 + i] = k if alone else numbers[sides[k]]
+    return np.concatenate(bodies), np.concatenate(around)
+
+
+def _sphere_around(spheres: Array) -> Array:
+    """Return a sphere (1, 4) around spheres."""
+    centres, radii = spheres[:, :3], spheres[:, 3]
+    low, high = centres - radii[:, None], centres + radii[:, None]
+    middle = 0.5 * (low.min(axis=0) + high.max(axis=0))
+    radius = (np.linalg.norm(centres - middle, axis=1) + radii).max()
+    return np.array([[*middle, radius]])
 
 
 def list_pairs(
@@ -78,21 +128,23 @@ def list_pairs(
     for i, parent in enumerate(joints[:, 0].astype(int).tolist()):
         order[i + 1] = [i + 1, *order[parent]]
         above[i + 1] = set(order[i + 1])
-    rows, owners = [], []
-    for i, one in enumerate(placed):
-        if not len(one.spheres):
-            break
-        for j in range(i + 1, len(placed)):
-            other = placed[j]
-            if one.frame == other.frame or not checked(one, other):
-                continue
-            common = next(k for k in order[one.frame] if k in above[other.frame])
-            rows.append((i, j, common, 0.0 if len(other.spheres) else padding))
-            owners.append((one.owner, other.owner))
-    groups = {two: k for k, two in enumerate(dict.fromkeys(owners))}
-    numbered = [(*row, groups[two]) for row, two in zip(rows, owners, strict=True)]
-    numbered.sort(key=lambda row: row[4])
-    return np.array(numbered, dtype=np.float64) if rows else _NO_PAIRS
+    parts: dict[str, list[int]] = {}
+    for k, one in enumerate(placed):
+        parts.setdefault(one.owner, []).append(k)
+    rows, groups = [], dict[tuple[tuple[str, int], ...], int]()
+    # All bodies of an owner have the same frame, and all of them have spheres or none has.
+    for firsts, seconds in itertools.combinations(parts.values(), 2):
+        one, other = placed[firsts[0]], placed[seconds[0]]
+        if not len(one.spheres) or one.frame == other.frame or not checked(one, other):
+            continue
+        common = next(k for k in order[one.frame] if k in above[other.frame])
+        lost = 0.0 if len(other.spheres) else padding
+        for j in seconds:
+            sides = _side(placed, firsts[0]), _side(placed, j)
+            group = groups.setdefault(sides, len(groups))
+            rows += [(i, j, common, lost, group) for i in firsts]
+    rows.sort(key=lambda row: row[4])
+    return np.array(rows, dtype=np.float64) if rows else _NO_PAIRS
 
 
 def group_grids(
@@ -102,12 +154,12 @@ def group_grids(
     groups: list[int],
     known: dict[bytes, Array],
 ) -> tuple[Array, Array]:
-    """Return the grids (g, 5) of the groups of pairs, and their cells; see `Tables`."""
+    """Return the grids (g, 7) of the groups of pairs, and their cells; see `Tables`."""
     numbers = pairs.astype(np.int64)
-    grids, size = np.full((len(groups) - 1, 5), -1.0), 0
+    grids, size = np.full((len(groups) - 1, 7), -1.0), 0
     chosen = [np.empty((0, 2), dtype=np.int64)]
     for g, (first, last) in enumerate(itertools.pairwise(groups)):
-        grids[g, 3:] = first, last
+        grids[g, 3:5] = first, last
         a, b, common = numbers[first, :3].tolist()
         if placed[a].is_carried or placed[b].is_carried or not len(placed[b].spheres):
             continue
@@ -141,20 +193,29 @@ def _two_drives(joints: Array, frames: tuple[int, int], common: int) -> list[int
     return drives if len(set(drives)) == len(drives) <= 2 else []
 
 
-def _hulls(placed: Sequence[PlacedBody]) -> tuple[Array, IntArray]:
+def _hulls(placed: Sequence[PlacedBody], poses: Array) -> tuple[Array, IntArray]:
     """Return the corners (k, 5) of all bodies in their frames, and their neighbours."""
-    rows, neighbours, count, first = [np.empty((0, 5))], [np.empty(0, dtype=np.int64)], 0, 0
-    for one in placed:
-        size = len(one.body.corners)
-        starts, targets = one.body.edges[: size + 1], one.body.edges[size + 1 :]
-        where = np.column_stack([starts[:-1], starts[1:]]) + count
-        rows.append(np.column_stack([_moved(one.pose, one.body.corners), where]))
-        neighbours.append(targets + first)
-        count += len(targets)
-        first += size
-    return np.ascontiguousarray(np.concatenate(rows)), np.concatenate(neighbours)
+    corners, edges = [one.body.corners for one in placed], [one.body.edges for one in placed]
+    sizes = np.array([len(one) for one in corners], dtype=np.int64)
+    lengths = np.array([len(one) for one in edges], dtype=np.int64) - sizes - 1
+    of_corners = np.repeat(np.arange(len(placed)), sizes)
+    rows = np.empty((len(of_corners), 5))
+    rows[:, :3] = _moved(poses[of_corners], np.concatenate([_NO_CORNERS, *corners]))
+    before = (np.cumsum(lengths) - lengths)[of_corners]
+    for column, first in ((3, 0), (4, 1)):
+        starts = [one[first : first + size] for one, size in zip(edges, sizes, strict=True)]
+        rows[:, column] = np.concatenate([_NO_NUMBERS, *starts]) + before
+    targets = [one[size + 1 :] for one, size in zip(edges, sizes, strict=True)]
+    shifts = np.repeat(np.cumsum(sizes) - sizes, lengths)
+    return rows, np.concatenate([_NO_NUMBERS, *targets]) + shifts
 
 
-def _moved(pose: Array, points: Array) -> Array:
-    moved: Array = points @ pose[:3, :3].T + pose[:3, 3]
+def _moved(poses: Array, points: Array) -> Array:
+    """Move each of the points (k, 3) by its pose (k, 4, 4)."""
+    moved: Array = np.einsum("kij,kj->ki", poses[:, :3, :3], points) + poses[:, :3, 3]
     return moved
+
+
+def _as_rows(poses: Array) -> Array:
+    """Return poses (k, 4, 4) as the twelve numbers of the kernels (k, 12)."""
+    return np.concatenate([poses[:, :3, :3].reshape(-1, 9), poses[:, :3, 3]], axis=1)

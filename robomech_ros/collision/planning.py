@@ -189,11 +189,12 @@ class _Search:
     def passes(self, a: list[float], b: list[float]) -> bool:
         """Return whether a straight motion seems free or, in a strict search, is proved free."""
         self.tried += 1
-        if tuple(b) in self._free:
-            a, b = b, a
-        curve = np.array([b, a])
+        begin, end = tuple(a), tuple(b)
+        if end in self._free:
+            begin, end = end, begin
+        curve = np.array([end, begin])
         shares = _LOOKS[: math.ceil(math.dist(a, b) / _FAR)]
-        if tuple(b) not in self._free:
+        if end not in self._free:
             shares = (*shares, 0.0)
         for share in shares:
             q = curve[0] + share * (curve[1] - curve[0])
@@ -201,9 +202,9 @@ class _Search:
                 return False
         if not (self._proves(curve) if self._strict else self._proof.seems_free(curve)):
             return False
-        self._free.add(tuple(b))
-        if tuple(a) in self._reached or tuple(b) in self._reached:
-            self._reached |= {tuple(a): None, tuple(b): None}
+        self._free.add(end)
+        if begin in self._reached or end in self._reached:
+            self._reached |= {begin: None, end: None}
         return True
 
     def nearest(self, goals: Array) -> tuple[Array, float]:

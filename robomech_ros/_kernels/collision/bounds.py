@@ -166,27 +166,12 @@ def frames_at(joints, q, frames):
 
 
 @flat
-def _far_bounds(tables, centres, q, nearest, limit, bounds):
-    """Write a first lower bound of each pair, infinite for distant groups of links.
-
-    Returns the limit, or with ``nearest`` an upper bound of the least distance.
-    """
-    pairs, around = tables.pairs, tables.around
-    most = math.inf if nearest else limit
-    before, apart = -1, False
-    for p in range(pairs.shape[0]):
-        if not nearest and int(pairs[p, 4]) != before:
-            before = int(pairs[p, 4])
-            apart = known_apart(tables.grids, tables.cells, before, q, limit)
-        if apart:
-            bounds[p] = math.inf
-            continue
-        a, b = int(pairs[p, 0]), int(pairs[p, 1])
-        bounds[p] = far_bound(tables, centres, a, b) - pairs[p, 3]
-        if nearest:
-            # Not farther than the spheres around both are wide, however they lie.
-            most = min(most, bounds[p] + 2.0 * (around[a, 3] + around[b, 3]))
-    return most
+def _group_bound(tables, centres, g):
+    """Return a lower bound of the distances of group g, by one sphere around each side."""
+    a, b = int(tables.grids[g, 5]), int(tables.grids[g, 6])
+    if a < 0:
+        return -math.inf
+    return far_bound(tables, centres, a, b) - tables.pairs[int(tables.grids[g, 3]), 3]
 
 
 @flat
@@ -217,6 +202,62 @@ def _contact_bounds(tables, posture, p, limit):
     return low, math.inf
 
 
+@flat
+def _find_nearest(tables, posture, centres, bounds, near):
+    """Find the pairs that may be the nearest one; return how many, and the bound of `near_pairs`.
+
+    There is room for a bound of each pair in ``bounds`` (p,).
+    """
+    pairs, around, grids = tables.pairs, tables.around, tables.grids
+    most = math.inf
+    for g in range(grids.shape[0]):
+        apart = _group_bound(tables, centres, g) > max(most, 0.0)
+        for p in range(int(grids[g, 3]), int(grids[g, 4])):
+            if apart:
+                bounds[p] = math.inf
+                continue
+            a, b = int(pairs[p, 0]), int(pairs[p, 1])
+            bounds[p] = far_bound(tables, centres, a, b) - pairs[p, 3]
+            # Not farther than the spheres around both are wide, however they lie.
+            most = min(most, bounds[p] + 2.0 * (around[a, 3] + around[b, 3]))
+    # The pairs with the least bounds come first: they exclude most of the others.
+    for p in range(bounds.size):
+        if bounds[p] <= 0.0 or bounds[p] <= 0.25 * most:
+            most = min(most, _padded_bounds(tables, posture, p)[1])
+    found = 0
+    for p in range(bounds.size):
+        if bounds[p] <= max(most, 0.0):
+            low, high = _padded_bounds(tables, posture, p)
+            most = min(most, high)
+            # Overlapping spheres say nothing about depths.
+            low = max(low, bounds[p])
+            if low <= max(most, 0.0):
+                found = insert_pair(near, found, p, max(low, 0.0))
+    return found, most
+
+
+@flat
+def _find_contacts(tables, posture, centres, q, limit, near):
+    """Find the pairs that may be within a limit (m), or one that is; return as `near_pairs`."""
+    pairs, grids = tables.pairs, tables.grids
+    found = 0
+    for g in range(grids.shape[0]):
+        if known_apart(grids, tables.cells, g, q, limit) or _group_bound(tables, centres, g) > limit:
+            continue
+        for p in range(int(grids[g, 3]), int(grids[g, 4])):
+            bound = far_bound(tables, centres, int(pairs[p, 0]), int(pairs[p, 1])) - pairs[p, 3]
+            if bound > max(limit, 0.0):
+                continue
+            low, high = _contact_bounds(tables, posture, p, limit)
+            if high < math.inf:
+                insert_pair(near, 0, p, high)
+                return -1 - p
+            low = max(low, bound)
+            if low <= limit:
+                found = insert_pair(near, found, p, max(low, 0.0))
+    return found
+
+
 @kernel(i8(TABLES, IN1, i8, OUT1, NEAR_PAIRS))
 def near_pairs(tables, q, nearest, limit, near):
     """Find the pairs whose distances must be computed at a posture, nearest bound first.
@@ -227,35 +268,14 @@ def near_pairs(tables, q, nearest, limit, near):
 
     Returns the number of pairs found.
     """
-    count = tables.pairs.shape[0]
     posture = room_for_posture(tables)
     place_frames(tables.joints, q, posture.frames)
     centres = np.empty((tables.bodies.shape[0], 3))
     place_bodies(posture.frames, tables.bodies, tables.around, centres)
-    bounds = np.empty(count)
-    most = _far_bounds(tables, centres, q, nearest, limit[0], bounds)
     if nearest:
-        # The pairs with the least bounds come first: they exclude most of the others.
-        for p in range(count):
-            if bounds[p] <= 0.0 or bounds[p] <= 0.25 * most:
-                most = min(most, _padded_bounds(tables, posture, p)[1])
-    found = 0
-    for p in range(count):
-        if bounds[p] > max(most, 0.0):
-            continue
-        if nearest:
-            low, high = _padded_bounds(tables, posture, p)
-            most = min(most, high)
-        else:
-            low, high = _contact_bounds(tables, posture, p, most)
-            if high < math.inf:
-                insert_pair(near, 0, p, high)
-                write_poses(tables, posture.frames, near, 1)
-                return -1 - p
-        # Overlapping spheres say nothing about depths.
-        low = max(low, bounds[p])
-        if low <= (max(most, 0.0) if nearest else most):
-            found = insert_pair(near, found, p, max(low, 0.0))
-    write_poses(tables, posture.frames, near, found)
-    limit[0] = most
+        bounds = np.empty(tables.pairs.shape[0])
+        found, limit[0] = _find_nearest(tables, posture, centres, bounds, near)
+    else:
+        found = _find_contacts(tables, posture, centres, q, limit[0], near)
+    write_poses(tables, posture.frames, near, max(found, 1 if found < 0 else 0))
     return found

@@ -31,8 +31,9 @@ DEEPEST = 40
 FREE, CONTACT, FULL = 0, 1, 2
 # Verdicts about a pair on a part of a motion: free of contact, to be halved, left open, in contact.
 _CLEAR, _HALVE, _OPEN, _TOUCHING = 0, 1, 2, 3
-# States of the cells of a group on a part: not looked up, undecided, apart, and filled in vain.
-_NEW, _LOOKED_UP, _APART, _FILLED = 0, 1, 2, 3
+# States of a group on a part: not looked at, undecided, apart, its cells filled in vain, and moving
+# too far for a decision.
+_NEW, _LOOKED_UP, _APART, _FILLED, _FAR = 0, 1, 2, 3, 4
 
 
 class OpenParts(NamedTuple):
@@ -139,6 +140,49 @@ def _centre_travel(tables, posture, part, b, c):
 
 
 @flat
+def _travel_of_centres(tables, posture, part, a, b, c):
+    """Bound how far the centres of the spheres around two bodies move against each other."""
+    travel = _centre_travel(tables, posture, part, a, c)
+    return travel + _centre_travel(tables, posture, part, b, c)
+
+
+@flat
+def _judge_group(tables, posture, part, curve, p, keep, step):
+    """Return what cells, and one sphere around each side, show of the group of pair p.
+
+    Bodies that may change places show nothing before a part is halved, unless they move by less
+    than a step (m).
+    """
+    grids, around = tables.grids, tables.around
+    g = int(tables.pairs[p, 4])
+    a, b, c = int(grids[g, 5]), int(grids[g, 6]), int(tables.pairs[p, 2])
+    travel, bound = 0.0, 0.0
+    if a >= 0:
+        bound = far_bound(tables, part.centres, a, b)
+        travel = _travel_of_centres(tables, posture, part, a, b, c)
+        if bound - travel > keep:
+            return _APART
+        bound += around[a, 3] + around[b, 3]
+    if grids[g, 2] >= 0.0 and APART == cells_apart(
+        grids, tables.cells, g, curve, part.middle, keep
+    ):
+        return _APART
+    return _FAR if travel > max(step, bound) else _LOOKED_UP
+
+
+@lean
+def _skip_apart(tables, part, waiting, i):
+    """Return the place in a list of pairs after place i, and after all of its group if apart."""
+    g = int(tables.pairs[waiting[i], 4])
+    i += 1
+    if part.groups[g] == _APART:
+        last = int(tables.grids[g, 4])
+        while i < waiting.size and waiting[i] < last:
+            i += 1
+    return i
+
+
+@flat
 def _spheres_moved(tables, posture, p):
     """Return the bounds of `pair_bounds`, with the spheres of both bodies placed and moved."""
     for i in range(2):
@@ -149,24 +193,21 @@ def _spheres_moved(tables, posture, p):
 @flat
 def _judge(tables, posture, part, curve, p, limits, finest):
     """Return the verdict about pair p on a part of a motion that is longer than the finest one."""
-    pairs, grids, around = tables.pairs, tables.grids, tables.around
+    pairs, around = tables.pairs, tables.around
     a, b, c = int(pairs[p, 0]), int(pairs[p, 1]), int(pairs[p, 2])
     keep = limits[0] + pairs[p, 3]
-    bound = far_bound(tables, part.centres, a, b)
-    travel = _centre_travel(tables, posture, part, a, c)
-    travel += _centre_travel(tables, posture, part, b, c)
-    if bound - travel > keep:
-        return _CLEAR
     g, groups = int(pairs[p, 4]), part.groups
-    has_cells = grids[g, 2] >= 0.0
     if groups[g] == _NEW:
-        groups[g] = _LOOKED_UP
-        if has_cells and cells_apart(grids, tables.cells, g, curve, part.middle, keep) == APART:
-            groups[g] = _APART
+        groups[g] = _judge_group(tables, posture, part, curve, p, keep, limits[1])
     if groups[g] == _APART:
         return _CLEAR
+    if groups[g] == _FAR:
+        return _HALVE
+    bound = far_bound(tables, part.centres, a, b)
+    travel = _travel_of_centres(tables, posture, part, a, b, c)
+    if bound - travel > keep:
+        return _CLEAR
     if travel > max(limits[1], bound + around[a, 3] + around[b, 3]):
-        # Bodies that may change places: nothing is shown before this part is halved.
         return _HALVE
     low, moving, high = _spheres_moved(tables, posture, p)
     if moving > keep:
@@ -175,7 +216,7 @@ def _judge(tables, posture, part, curve, p, limits, finest):
         return _TOUCHING
     if low - moving > limits[1]:
         return _HALVE
-    if groups[g] == _LOOKED_UP and has_cells:
+    if groups[g] == _LOOKED_UP and tables.grids[g, 2] >= 0.0:
         groups[g] = _FILLED
         cell = fill_cells(tables, posture, g, curve, part.middle, part.q, keep)
         _place_middle(tables, posture, curve, part.middle)
@@ -249,10 +290,12 @@ def sweep(tables, tested, curve, limits, lists, found, open_parts):
         halve(piece, left, right)
         _start_part(tables, posture, part, piece)
         finest = limits[2] if depth < DEEPEST else math.inf
-        kept, left_open = 0, 0
-        for i in range(lengths[depth]):
-            p = lists[depth, i]
+        kept, left_open, i = 0, 0, 0
+        remaining = lists[depth, : lengths[depth]]
+        while i < remaining.size:
+            p = remaining[i]
             verdict = _judge(tables, posture, part, piece, p, limits, finest)
+            i = _skip_apart(tables, part, remaining, i)
             if verdict == _TOUCHING:
                 found[0], found[1], found[2], found[3] = parts, 0.5 * (begin + end), p, begin
                 return CONTACT
@@ -267,8 +310,8 @@ def sweep(tables, tested, curve, limits, lists, found, open_parts):
             if parts + left_open > open_parts.groups.size:
                 found[0], found[1] = parts, begin
                 return FULL
-            remaining = lists[depth + 1, count - left_open :]
-            parts = _add_open(tables.pairs, remaining, begin, end, open_parts, parts)
+            last = lists[depth + 1, count - left_open :]
+            parts = _add_open(tables.pairs, last, begin, end, open_parts, parts)
         if kept:
             lengths[depth + 1] = kept
             _push_halves(stack, waiting, right, left)

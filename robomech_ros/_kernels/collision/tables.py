@@ -21,7 +21,8 @@ class Tables(NamedTuple):
     joints : ndarray, shape (m, 17)
         The tree of joints; see `shapes`.
     bodies : ndarray, shape (b, 8)
-        Frame, first sphere and the one after the last, kind of the simple shape that the body is
+        The bodies of the pairs, then bodies that hold all of a side of a group and have only a
+        frame and a sphere around them.  Frame, first sphere and the one after the last, kind of the simple shape that the body is
         or lies in (``SPHERES`` for none), 1 if it is exactly that shape, first corner, radius, and
         the kind of its hull; see `hulls`.
     around : ndarray, shape (b, 4)
@@ -40,8 +41,9 @@ class Tables(NamedTuple):
     neighbours : ndarray of int, shape (e,)
     axes : ndarray, shape (p, 5)
         Start of the next search for a plane between a pair; see `hulls`.
-    grids : ndarray, shape (g, 5)
-        Cells of each group; see `grids`.
+    grids : ndarray, shape (g, 7)
+        Cells of each group; see `grids`.  Then the two bodies that hold all bodies of either side
+        of the group, or -1 if it has only one pair.
     cells : ndarray, shape (c,)
         Known bounds of distances (m); see `grids`.
     """
