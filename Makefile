@@ -159,12 +159,13 @@ bench: setup ## measure against Pinocchio, EAIK, ssik and others and a bare rclp
 pictures: setup ## remake the pictures of the browser view in doc/images, by a headless Chromium
 	$(BIN)/python test/pictures $(if $(ONLY),--only $(ONLY))
 
-docs: ## build the pages of doc/ into doc/_build, in .venv-docs
+docs: ## build the pages of doc/ into doc/_build and check them, in .venv-docs
 	@$(call set_up,.venv-docs,--extra docs.txt)
 	$(RUN) .venv-docs/bin/python -m sphinx -W --keep-going -q -j auto doc doc/_build
+	$(RUN) .venv-docs/bin/python -m pytest -q -n0 test/test_built_documents.py
 	@echo "docs: doc/_build/index.html"
 
 clean: ## remove the environments and all that was built
-	rm -rf .venv .venv-jazzy .venv-bench .venv-docs build install log dist demo_output doc/_build doc/jupyter_execute \
+	rm -rf .venv .venv-jazzy .venv-bench .venv-docs build install log dist demo_output doc/_build doc/api doc/jupyter_execute \
 	    *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 	find robomech_ros test tools -name __pycache__ -prune -exec rm -rf {} +

@@ -28,7 +28,8 @@ suppress_warnings = ["myst.header", "ref.python"]
 nitpicky = True
 nitpick_ignore_regex = [
     ("py:(class|obj|data)", ".*"),  # types are prose, such as "ndarray, shape (n,)"
-    ("py:exc", "(AddressError|DaskUnavailableError|LostPostureError|PortTakenError)"),  # not exported
+    # Errors that no public package exports.
+    ("py:exc", "(AddressError|DaskUnavailableError|LostPostureError|PortTakenError)"),
 ]
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3

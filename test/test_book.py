@@ -73,7 +73,7 @@ def test_chapters_have_the_titles_of_the_contents():
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row[0])
 def test_a_row_has_functions_unless_it_is_an_introduction(row):
-    _, title, functions, golden, _ = row
+    _, title, functions, golden, notebook = row
     if title in INTRODUCTIONS:
         assert functions == "no algorithm"
     elif title in LEFT_OUT:
@@ -81,6 +81,7 @@ def test_a_row_has_functions_unless_it_is_an_introduction(row):
     else:
         assert "`" in functions or re.match(r"see (\d|\[)", functions)
     assert "`" in functions or not golden
+    assert "`" not in functions or notebook.startswith("[")
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -29,16 +29,12 @@ class LinkNames(SphinxPostTransform):
         alone = full_names()
         for literal in list(self.document.findall(nodes.literal)):
             text = literal.astext().removesuffix("()")
-            full = next(
-                (n for n in (text, f"robomech_ros.{text}", alone.get(text, "")) if n in entries), None
-            )
+            candidates = (text, f"robomech_ros.{text}", alone.get(text, ""))
+            full = next((name for name in candidates if name in entries), None)
             if full and not _inside_link(literal):
-                entry = entries[full]
-                literal.replace_self(
-                    make_refnode(
-                        self.app.builder, self.env.docname, entry.docname, entry.node_id, literal.deepcopy(), full
-                    )
-                )
+                to, page = entries[full], self.env.docname
+                link = (self.app.builder, page, to.docname, to.node_id, literal.deepcopy(), full)
+                literal.replace_self(make_refnode(*link))
             elif self.env.docname == BOOK and not full and _is_ours(text):
                 LOG.warning("%s has no entry in the Python interface", text, location=literal)
 

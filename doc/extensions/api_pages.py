@@ -121,9 +121,8 @@ def _used(source: str) -> set[str]:
     names = {alias.name for node in ours for alias in node.names}
     modules = {alias.asname or alias.name for node in ours for alias in node.names}
     for node in nodes:
-        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
-            if node.value.id in modules:
-                names.add(node.attr)
+        if isinstance(node, ast.Attribute) and getattr(node.value, "id", "") in modules:
+            names.add(node.attr)
     return names
 
 
@@ -152,8 +151,9 @@ def check_sizes(app: Sphinx, error: Exception | None) -> None:
     if error or app.builder.format != "html":
         return
     for path in sorted(Path(app.outdir, FOLDER).glob("*.html")):
-        if path.stat().st_size > LARGEST:
-            LOG.warning("%s has %d bytes; at most %d load quickly", path.name, path.stat().st_size, LARGEST)
+        size = path.stat().st_size
+        if size > LARGEST:
+            LOG.warning("%s has %d bytes; at most %d load quickly", path.name, size, LARGEST)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

@@ -15,6 +15,7 @@ from sphinx.util.docutils import SphinxDirective
 
 INDEX = "notebooks/index"
 THUMBNAIL = (400, 300)  # largest width and height, px
+HEADINGS = ("Assertions", "Exercises", "Run time (s)")
 LOG = logging.getLogger(__name__)
 
 
@@ -40,7 +41,8 @@ class FillGallery(SphinxPostTransform):
         """Fill the galleries of a page."""
         for gallery in list(self.document.findall(GalleryNode)):
             cards = "".join(map(self._card, self.env.toctree_includes[INDEX]))
-            gallery.replace_self(nodes.raw("", f'<div class="gallery">{cards}</div>', format="html"))
+            text = f'<div class="gallery">{cards}</div>'
+            gallery.replace_self(nodes.raw("", text, format="html"))
 
     def _card(self, notebook: str) -> str:
         title = escape(self.env.titles[notebook].astext())
@@ -72,17 +74,17 @@ class CompleteTable(SphinxPostTransform):
     formats = ("html",)
 
     def run(self, **options: object) -> None:
-        """Append three columns to the first table of the page."""
+        """Append columns to the first table of the page."""
         table = next(self.document.findall(nodes.table), None)
         if self.env.docname != INDEX or table is None:
             return
         group = table.next_node(nodes.tgroup)
-        group["cols"] += 3
-        for _ in range(3):
+        group["cols"] += len(HEADINGS)
+        for _ in HEADINGS:
             group.insert(0, nodes.colspec(colwidth=1))
         for row in group.findall(nodes.row):
             link = row.next_node(nodes.reference)
-            texts = ("Assertions", "Exercises", "Run time (s)") if link is None else self._facts(link)
+            texts = self._facts(link) if link else HEADINGS
             row += [nodes.entry("", nodes.paragraph(text=text)) for text in texts]
 
     def _facts(self, link: nodes.reference) -> tuple[str, str, str]:
@@ -105,7 +107,7 @@ class Scene(SphinxDirective):
         if not self._path(file).is_file():
             raise self.error(f"no cell of this notebook has written {file}")
         self.env.metadata[self.env.docname].setdefault("scenes", []).append(file)
-        frame = f'<iframe class="scene" src="{file}" title="{escape(file)}" loading="lazy"></iframe>'
+        frame = f'<iframe class="scene" src="{file}" title="{file}" loading="lazy"></iframe>'
         caption = nodes.caption()
         self.state.nested_parse(self.content, self.content_offset, caption)
         return [nodes.raw("", frame, format="html"), *caption.children]

@@ -1,0 +1,115 @@
+"""The documents that `make docs` has built: all of them work as files, without a network."""
+
+import importlib.util
+import re
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+BUILT = Path(__file__).resolve().parent.parent / "doc" / "_build"
+PAGES = sorted(BUILT.rglob("*.html"))
+SCENES = [page for page in PAGES if "__VISER_EMBED_DATA__" in page.read_text("utf-8")]
+READ = [page for page in PAGES if page not in SCENES]
+LARGEST_API_PAGE = 300_000  # bytes
+WIDTH = 1280  # px
+MISSING = importlib.util.find_spec("viser") is None
+
+pytestmark = pytest.mark.skipif(not PAGES, reason="make docs builds the pages")
+
+
+@contextmanager
+def opened(page, width=WIDTH, height=800):
+    """Open a page as a file in a Chromium that cannot reach other machines."""
+    if MISSING:
+        pytest.skip("viser, which brings the websockets, is not installed")
+    sys.path.insert(0, str(Path(__file__).parent / "rvs"))
+    from chromium import Tab, chromium
+
+    if chromium() is None:
+        pytest.skip("no Chromium: sudo apt-get install chromium")
+    tab = Tab(page.as_uri(), width, height)
+    try:
+        tab.wait_for("document.readyState === 'complete'")
+        yield tab
+        assert tab.errors == []
+    finally:
+        tab.close()
+
+
+def test_no_page_and_no_style_loads_anything_from_the_network():
+    loads = r"<(?:script|img|iframe|source|video)\b[^>]*\bsrc=\"(?:https?:)?//[^\"]*"
+    loads += r"|<link\b[^>]*\brel=\"(?:stylesheet|preload|icon)\"[^>]*\bhref=\"(?:https?:)?//[^\"]*"
+    for page in READ:
+        assert re.findall(loads, page.read_text("utf-8")) == [], page.name
+    for style in BUILT.rglob("*.css"):
+        network = r"(?:url\(|@import)\s*[\"']?(?:https?:)?//[^)]*"
+        assert re.findall(network, style.read_text("utf-8")) == [], style.name
+
+
+def test_pages_of_the_interface_are_small():
+    sizes = {page.name: page.stat().st_size for page in BUILT.glob("api/*.html")}
+    assert len(sizes) > 20
+    assert {name: size for name, size in sizes.items() if size > LARGEST_API_PAGE} == {}
+
+
+def test_all_columns_of_the_book_are_visible():
+    with opened(BUILT / "book.html") as tab:
+        edges = "[...document.querySelectorAll('main th, article th')].map("
+        right = tab.value(f"{edges}cell => cell.getBoundingClientRect().right)")
+        assert len(right) > 50
+        assert max(right) <= WIDTH
+        clipped = "box => box.scrollWidth > box.clientWidth + 1"
+        boxes = "[...document.querySelectorAll('.table-wrapper')]"
+        assert tab.value(f"{boxes}.filter({clipped}).length") == 0
+
+
+def test_all_formulas_are_shown():
+    with opened(BUILT / "index.html") as tab:
+        pages = [page for page in READ if 'class="math ' in page.read_text("utf-8")]
+        assert len(pages) > 30
+        for page in pages:
+            tab.open(page.as_uri())
+            tab.wait_for(f"document.URL.endsWith('{page.name}')")
+            tab.wait_for("window.MathJax && MathJax.startup && MathJax.startup.promise")
+            tab.value("MathJax.startup.promise.then(() => true)")
+            left = "[...document.querySelectorAll('.math')].filter(m => !m.querySelector('svg'))"
+            assert tab.value(f"{left}.map(m => m.textContent)") == [], page.name
+            wrong = "[data-mml-node=merror]"
+            assert tab.value(f"document.querySelectorAll('{wrong}').length") == 0, page.name
+
+
+def test_the_search_finds_a_function():
+    with opened(Path(f"{BUILT}/search.html")) as tab:
+        tab.open(f"{(BUILT / 'search.html').as_uri()}?q=inverse_kinematics")
+        tab.wait_for("document.querySelector('#search-results li a')")
+
+
+def test_at_least_five_notebooks_have_scenes():
+    assert len(SCENES) >= 5
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=lambda page: page.stem)
+def test_a_scene_turns_with_the_mouse(scene):
+    with opened(scene, 640, 400) as tab:
+        camera = "__viserMutable.camera.position.toArray().map(x => Math.round(1e4 * x)).join()"
+        tab.wait_for("Object.keys(__viserMutable.nodeRefFromName).length > 3")
+        tab.frames(5)
+        before = tab.value(camera)
+        tab.mouse("mousePressed", 320, 200, buttons=1)
+        for x in range(330, 430, 20):
+            tab.mouse("mouseMoved", x, 210, buttons=1)
+        tab.mouse("mouseReleased", 430, 210)
+        tab.wait_for(f"{camera} !== '{before}'")
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=lambda page: page.stem)
+def test_a_notebook_shows_its_scene(scene):
+    (page,) = [one for one in READ if f'src="{scene.name}"' in one.read_text("utf-8")]
+    with opened(page) as tab:
+        tab.value("document.querySelector('iframe.scene').scrollIntoView({block: 'center'})")
+        frames = tab.send("Page.getFrameTree")["frameTree"].get("childFrames", ())
+        assert [one["frame"]["url"].rpartition("/")[2] for one in frames] == [scene.name]
+        size = tab.value("document.querySelector('iframe.scene').getBoundingClientRect().width")
+        assert size > 500
