@@ -5,6 +5,9 @@ import stat
 from pathlib import Path
 from typing import IO
 
+# Windows has only the last one, POSIX only the others.
+_FLAGS = os.O_RDONLY | sum(getattr(os, name, 0) for name in ("O_CLOEXEC", "O_NONBLOCK", "O_BINARY"))
+
 
 def open_regular(path: Path) -> IO[bytes]:
     """Open a regular file for reading; a pipe or a device could let the reader wait for ever.
@@ -20,7 +23,7 @@ def open_regular(path: Path) -> IO[bytes]:
     ValueError
         The path has a null character.
     """
-    descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)
+    descriptor = os.open(path, _FLAGS)
     try:
         if not stat.S_ISREG(os.fstat(descriptor).st_mode):
             raise OSError(None, "not a regular file", str(path))

@@ -2,6 +2,7 @@
 
 import os
 import re
+import sys
 from pathlib import Path
 
 from robomech_ros.errors import NotEnoughMemoryError
@@ -35,4 +36,6 @@ def _free_on_machine() -> int:
         found = None
     if found:
         return 1024 * int(found[1])
+    if not hasattr(os, "sysconf"):  # Windows
+        return sys.maxsize
     return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
