@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         Shape as Shape,
         Sphere as Sphere,
     )
+    from robomech_ros.collision.via_paths import path_through as path_through
     from robomech_ros.robots.urdf.mesh_files import MeshError as MeshError
 
 __getattr__, __all__ = lazy_exports(__name__, globals())

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from robomech_ros.collision.distances import checked_clearance
 from robomech_ros.collision.scene import PlanningScene
-from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.errors import BadValueError, DurationTooShortError, RobomechError
 from robomech_ros.kinematics.joint_values import as_finite_values
 from robomech_ros.trajectory import (
     SampledPlan,
@@ -23,12 +23,16 @@ from robomech_ros.trajectory import (
 )
 from robomech_ros.trajectory.curves.motion_to_rest import MotionThrough, MotionToRest
 from robomech_ros.trajectory.curves.piecewise import joined
+from robomech_ros.trajectory.curves.time_scaling import checked_duration, stretch_needed
 from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.trajectory.plans.point_to_point import (
     point_to_point,
     profile_named,
     scaled_limits,
 )
+from robomech_ros.trajectory.plans.sampled_plan import stretched_motion
+from robomech_ros.trajectory.tolerances import DURATION_ROUNDING
+from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
 from robomech_ros.typing import Array
 
 # Most rounds of added waypoints before the robot stops at each of them instead.
@@ -50,6 +54,7 @@ def timed_path(
     clearance: float = 0.0,
     period: float = 0.01,
     max_points: int = 20_000,
+    duration: float | None = None,
     velocity_scale: float = 1.0,
     acceleration_scale: float = 1.0,
     jerk_scale: float = 1.0,
@@ -76,6 +81,8 @@ def timed_path(
         Largest time between two samples (s).
     max_points : int
         The most samples there may be.
+    duration : float, optional
+        Wanted duration in s; None (or 0) for the shortest.
     velocity_scale, acceleration_scale, jerk_scale : float
         Part of each kind of limit that may be used, from 1e-6 to 1.
 
@@ -89,6 +96,8 @@ def timed_path(
     ------
     NotFreeError
         The path itself is not free, or not proved.
+    DurationTooShortError
+        The limits do not allow the wanted duration on this path.
     """
     checked_clearance(clearance)
     chain = scene.chain
@@ -107,14 +116,20 @@ def timed_path(
         period=period,
         max_points=max_points,
     )
+    seconds = checked_duration(duration)
+    tight = scaled_limits(allowed, profile_named(profile), *scales)
+    sampled = partial(_sampled, limits=tight, period=period, max_points=max_points)
     left = int(np.argmax(scene.is_free(points, clearance=clearance)))
     rest = _proved(scene, points[left:], smooth, clearance)
+    is_proved = rest is not None and seconds is None
     if rest is None:
-        tight = scaled_limits(allowed, profile_named(profile), *scales)
-        rest = _with_stops(points[left:], tight, profile, period, max_points)
-        if not scene.check_motion(rest.waypoints, clearance=clearance).certified:
-            raise NotFreeError("the samples of the path come nearer than the path; take more")
-    return _joined(smooth(points[: left + 1]), rest, allowed) if left else rest
+        rest = sampled(_with_stops(points[left:], tight.with_margin, profile))
+    parts = [smooth(points[: left + 1]), rest] if left else [rest]
+    if seconds is not None:
+        parts = [sampled(part) for part in _stretched(parts, seconds, tight)]
+    if not (is_proved or scene.check_motion(parts[-1].waypoints, clearance=clearance).certified):
+        raise NotFreeError("the samples of the path come nearer than the path; take more")
+    return _joined(*parts, tight) if left else parts[0]
 
 
 def _proved(
@@ -162,20 +177,33 @@ def _denser(points: Array) -> Array:
     return np.concatenate([between, points[-1:]])
 
 
-def _with_stops(
-    points: Array, limits: Limits, profile: str, period: float, max_points: int
-) -> SampledPlan:
+def _with_stops(points: Array, limits: Limits, profile: str) -> MotionThrough:
     """Go straight from waypoint to waypoint, at rest at each."""
-    inner = limits.with_margin
     pieces = [
-        point_to_point(a, b, limits=inner, profile=profile).pieces
+        point_to_point(a, b, limits=limits, profile=profile).pieces
         for a, b in pairwise(points)
         if np.abs(b - a).max() > 0.0
     ]
-    curve = joined(pieces)
     knots = np.append(0.0, np.cumsum([piece.breaks[-1] for piece in pieces]))
-    motion = MotionThrough(points[-1], curve, knots)
+    return MotionThrough(points[-1], joined(pieces), knots)
+
+
+def _stretched(
+    parts: list[SampledPlan], seconds: float, limits: Limits
+) -> list[PiecewiseTrajectory]:
+    """Let motions, one after the other, last a wanted time."""
+    shortest = sum(part.trajectory.duration for part in parts)
+    if seconds < shortest - DURATION_ROUNDING * (1.0 + shortest):
+        curve = joined([part.trajectory.pieces for part in parts])
+        _, joint, rate = stretch_needed(curve, limits)
+        raise DurationTooShortError(seconds, shortest, limits.joint_names[joint], rate)
+    return [stretched_motion(part, max(seconds / shortest, 1.0)) for part in parts]
+
+
+def _sampled(
+    motion: PiecewiseTrajectory, limits: Limits, period: float, max_points: int
+) -> SampledPlan:
     waypoints = discretise(motion, period, max_points)
-    verification = verify(waypoints, limits, start=points[0])
+    verification = verify(waypoints, limits, start=waypoints.positions[0])
     verification.require_ok()
     return SampledPlan(motion, waypoints, verification)

@@ -48,13 +48,17 @@ class PlanStatus(Enum):
 
 
 class PlanRequest(NamedTuple):
-    """Options of a plan: time (s), seed of the random samples, clearance (m), planner of OMPL."""
+    """Options of a plan: time (s), seed of the random samples, clearance (m), planner of OMPL.
+
+    Joints without limits take the short way to a goal unless its turns are kept.
+    """
 
     timeout: float = 5.0
     seed: int = 0
     clearance: float = 0.0
     planner: str = PLANNERS[0]
     cancelled: Callable[[], bool] = bool
+    keep_turns: bool = False
 
 
 class PathPlan(NamedTuple):
@@ -105,7 +109,8 @@ def plan_path(
     postures, why = _postures(scene, goals, first)
     if not len(postures):
         return ended(PlanStatus.NO_POSTURE, why)
-    postures = _nearest_turns(chain, postures, first)
+    if not request.keep_turns:
+        postures = _nearest_turns(chain, postures, first)
     kept, why = _free_goals(scene, postures, request.clearance)
     if not kept:
         return ended(PlanStatus.GOAL_IN_CONTACT, why)

@@ -16,6 +16,7 @@ from robomech_ros.collision import (
     PlanStatus,
     Sphere,
     motion_proof,
+    path_through,
     planning,
     timed_path,
 )
@@ -24,6 +25,7 @@ from robomech_ros.collision.path_timing import NotFreeError
 from robomech_ros.collision.robot_bodies import link_shapes
 from robomech_ros.errors import (
     BadValueError,
+    DurationTooShortError,
     NonFiniteError,
     SeedOutsideLimitsError,
     WrongSizeError,
@@ -390,6 +392,54 @@ def test_timed_paths_are_within_limits_and_proved(profile):
     np.testing.assert_allclose(q[[0, -1]], [LEFT, RIGHT], atol=1e-9)
     assert np.abs(v).max() <= 1.5 + 1e-6 and np.abs(a).max() <= 4.0 + 1e-6
     assert np.abs(v[[0, -1]]).max() < 1e-9
+
+
+VIA = np.array(
+    [LEFT, LEFT + [-0.2, -0.4, 0.2, 0.0, 0.3, 0.0], RIGHT + [0.2, -0.4, 0, 0, 0, 0], RIGHT]
+)
+
+
+@pytest.mark.parametrize("profile", ["time_optimal", "ruckig", "cubic_spline", "poly345"])
+def test_paths_pass_via_points_and_last_as_long_as_wanted(profile):
+    scene = with_wall()
+    assert not scene.check_motion(VIA).free
+    plan = path_through(scene, VIA)
+    assert plan.status is PlanStatus.SOLVED and plan.certified
+    looked_at(scene, plan)
+    limits = Limits(scene.chain.joint_names, **LIMITS)
+    shortest = timed_path(scene, plan.waypoints, limits, profile=profile).trajectory
+    timed = timed_path(
+        scene, plan.waypoints, limits, profile=profile, duration=1.7 * shortest.duration
+    )
+    assert timed.verification.ok and scene.check_motion(timed.waypoints).certified
+    assert timed.waypoints.times[-1] == pytest.approx(1.7 * shortest.duration, abs=2e-9)
+    t = np.linspace(0.0, timed.waypoints.times[-1], 20_000)
+    rows = timed.waypoints.curve.sample(t)[0]
+    assert SecondOpinion(scene, link_shapes(scene.chain.description)[0]).first_hit(rows) is None
+    assert max(np.abs(rows - point).max(axis=1).min() for point in VIA) < 2e-4
+    # The robot stops at via points only if the profile takes no more of them.
+    speeds = np.abs(timed.waypoints.velocities).max(axis=1)
+    assert (np.count_nonzero(speeds < 1e-9) > 2) == (profile == "poly345")
+    with pytest.raises(DurationTooShortError, match=f"{shortest.duration:.6g}"):
+        timed_path(
+            scene, plan.waypoints, limits, profile=profile, duration=0.99 * shortest.duration
+        )
+
+
+def test_paths_through_points_keep_turns_and_name_the_leg():
+    scene = with_wall()
+    within = VIA.copy()
+    within[2, 0] = 0.0
+    plan = path_through(scene, within)
+    assert plan.status is PlanStatus.GOAL_IN_CONTACT and not len(plan.waypoints)
+    assert plan.reason.startswith("from point 2 to point 3 of 4: the goal is in contact: ")
+    assert "'wall'" in plan.reason
+    with pytest.raises(BadValueError, match="at least two"):
+        path_through(scene, LEFT)
+    turning = without_self_contact(PlanningScene(sliding(), tip="palm"))
+    points = np.zeros((3, turning.chain.n))
+    points[1:, turning.chain.joint_names.index("turn")] = 4.0, 8.0
+    np.testing.assert_array_equal(path_through(turning, points).waypoints, points)
 
 
 def test_paths_that_leave_no_room_for_a_curve_are_timed_with_stops():

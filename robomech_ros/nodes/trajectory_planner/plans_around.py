@@ -3,20 +3,22 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from robomech_ros.cartesian.path_checks import PathStopLimits
+from robomech_ros.errors import DurationTooShortError
 from robomech_ros.kinematics import tip_poses
 from robomech_ros.nodes.common.error_codes import OutcomeError
 from robomech_ros.nodes.trajectory_planner.chain_motions import Planned
 from robomech_ros.outcomes import Code
+from robomech_ros.trajectory.plans.fitting_plan import sampled_to_fit
 from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
-    from robomech_ros.collision import PlanningScene
+    from robomech_ros.collision import MotionCheck, PlanningScene
 
 # Options of a plan that a path around an obstacle has, too.
-_KEPT = ("profile", "velocity_scale", "acceleration_scale", "jerk_scale", "max_points")
+_KEPT = ("profile", "velocity_scale", "acceleration_scale", "jerk_scale", "max_points", "duration")
 
 
 def plan_around(
@@ -37,33 +39,49 @@ def plan_around(
     Raises
     ------
     OutcomeError
-        Start, goal or a plan through via points are in contact, or no path was found.
+        A point is in contact, no path was found, or the via points have their own instants.
+    DurationTooShortError
+        The motion takes longer than the wanted duration.
     """
-    found = plan()
-    check = scene.check_motion(found.sampled.waypoints)
-    if check.certified:
-        return found
-    if len(points) > 2 or options["duration"] is not None:
-        first, second = check.bodies
-        how = "would" if not check.free else "may"
-        what = "via points" if len(points) > 2 else "a duration"
-        text = f"'{first}' and '{second}' {how} touch at {check.parameter:.4g} s"
-        advice = f"a motion with {what} is not led around obstacles"
-        raise OutcomeError(Code.COLLISION, f"{text}; {advice}")
+    try:
+        found = plan()
+        check = scene.check_motion(found.sampled.waypoints)
+        if check.certified:
+            return found
+        if options["at"] is not None:
+            _refuse_instants(check)
+    except DurationTooShortError:
+        # The motion may have to lead around something, which takes longer.
+        if options["at"] is not None:
+            raise
     # Loaded where there is a scene.
-    from robomech_ros.collision import NotFreeError, PlanStatus, timed_path
+    from robomech_ros.collision import NotFreeError, PlanStatus, path_through, timed_path
 
-    path = scene.plan(points[0], points[-1])
+    path = path_through(scene, points)
     if path.status is not PlanStatus.SOLVED:
         late = path.status is PlanStatus.NO_PATH
         raise OutcomeError(Code.NO_PATH if late else Code.COLLISION, path.reason)
+    most = options["max_duration"]
     kept = {name: options[name] for name in _KEPT}
-    period = options["wanted_period"] or options["usual_period"]
+    timed = partial(timed_path, scene, path.waypoints, **kept)
     try:
-        sampled = timed_path(scene, path.waypoints, period=period, **kept)
+        sampled = sampled_to_fit(
+            lambda period: timed(period=period),
+            lambda: float(timed(period=most).waypoints.times[-1]),
+            max_duration=most,
+            **{name: options[name] for name in ("wanted_period", "usual_period", "max_points")},
+        )
     except NotFreeError as error:
         raise OutcomeError(Code.COLLISION, str(error)) from None
     return Planned(sampled, partial(tip_poses, scene.chain, sampled.waypoints.positions))
+
+
+def _refuse_instants(check: "MotionCheck") -> NoReturn:
+    first, second = check.bodies
+    how = "would" if not check.free else "may"
+    text = f"'{first}' and '{second}' {how} touch at {check.parameter:.4g} s"
+    advice = "to be led around obstacles, leave time_from_start of all via points at 0"
+    raise OutcomeError(Code.COLLISION, f"{text}; {advice}")
 
 
 def ending_before_contact(

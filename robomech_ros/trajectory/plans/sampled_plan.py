@@ -204,6 +204,15 @@ def check_can_be_sampled(profile: str) -> None:
         raise BadValueError("profile", profile, expected)
 
 
+def stretched_motion(plan: SampledPlan, factor: float) -> PiecewiseTrajectory:
+    """Return the motion of a plan over a time longer by a factor."""
+    goal, pieces = plan.waypoints.positions[-1], plan.trajectory.pieces.stretched(factor)
+    knots = getattr(plan.trajectory, "knots", None)
+    return (
+        MotionToRest(goal, pieces) if knots is None else MotionThrough(goal, pieces, factor * knots)
+    )
+
+
 def _tighten(factors: Array, ratios: Array, *, stagger: bool) -> None:
     """Reduce the factors (3, n) of the limits after the ratios (3, n) of a plan within them."""
     if stagger and ratios.max() > _SMALL_EXCESS:
@@ -239,20 +248,13 @@ def _slowed(
 
     Where rounding is all that is wrong that takes less time than to plan anew.
     """
-    goal, pieces = plan.waypoints.positions[-1], plan.trajectory.pieces
     factor, ratios = 1.0, _shown_ratios(plan, limits)
     for _ in range(_SLOWED_ROUNDS):
         needed = float(((ratios + MARGIN).max(axis=1) ** (1.0 / np.arange(1.0, 4.0))).max())
         factor *= 1.0 + _OVERSLOWED * (needed - 1.0)
         if factor > slowest:
             return None
-        longer, knots = pieces.stretched(factor), getattr(plan.trajectory, "knots", None)
-        motion = (
-            MotionToRest(goal, longer)
-            if knots is None
-            else MotionThrough(goal, longer, factor * knots)
-        )
-        slowed = sampled(motion)
+        slowed = sampled(stretched_motion(plan, factor))
         ratios = _shown_ratios(slowed, limits)
         if slowed.verification.ok and (ratios <= 1.0).all():
             return slowed

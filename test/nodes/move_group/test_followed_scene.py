@@ -10,13 +10,16 @@ from geometry_msgs.msg import PoseStamped
 from move_group_client import HERE, UR5E, Client, box
 from sensor_msgs.msg import JointState
 from shaped_arm import shaped_ur5e
+from trajectory_msgs.msg import JointTrajectoryPoint
 from waiting import until
 
 from robomech_interfaces.srv import PlanCartesian, PlanJoint, SolveIK
 from robomech_ros.collision import Box, PlanningScene
 from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.commands.trajectory_source import waypoints_of
 from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.joint_messages import joint_state
+from robomech_ros.nodes.common.message_fields import duration_from_seconds, seconds_from_duration
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.kinematics.node import KinematicsNode
@@ -97,6 +100,43 @@ def test_a_plan_leads_around_the_wall(client, scene):
     request.ignore_collisions = True
     straight = client.graph.call(PlanJoint, "trajectory_planner/plan_joint", request)
     assert not scene.check_motion(rows(straight.trajectory)).free
+
+
+def test_plans_through_via_points_lead_around_the_wall_in_the_wanted_time(client, scene):
+    client.graph.start(TrajectoryPlannerNode, assume_limits=True, **ROBOT)
+    assert client.apply(WALL)
+    start, goal = (joint_state(UR5E.joint_names, q) for q in (HERE, THERE))
+    via = HERE + [0.3, -0.2, 0.0, 0.1, 0.0, 0.4]
+    fields = {"start": start, "goal": goal, "profile": PlanJoint.Request.RUCKIG}
+    request = PlanJoint.Request(via=[JointTrajectoryPoint(positions=via.tolist())], **fields)
+
+    def planned(accept=lambda answer: True, **times):
+        for name, seconds in times.items():
+            point = request if name == "duration" else request.via[0]
+            setattr(point, name, duration_from_seconds(seconds))
+        return client.graph.call_until(PlanJoint, "trajectory_planner/plan_joint", request, accept)
+
+    def led_around(answer):
+        return answer.error_code == Code.NONE and scene.check_motion(rows(answer.trajectory)).free
+
+    shortest = planned(led_around)
+    seconds = seconds_from_duration(shortest.duration, "duration")
+    for answer, wanted in ((shortest, seconds), (planned(duration=2 * seconds), 2 * seconds)):
+        assert answer.error_code == Code.NONE, answer.error_msg
+        assert seconds_from_duration(answer.duration, "duration") == pytest.approx(wanted, abs=1e-8)
+        curve = waypoints_of(answer.trajectory).curve
+        q = curve.sample(np.linspace(0.0, wanted, 20_000))[0]
+        np.testing.assert_allclose(q[[0, -1]], [HERE, THERE], atol=1e-12)
+        assert np.abs(q - via).max(axis=1).min() < 1e-3
+        assert scene.is_free(q).all()
+        assert max(answer.peak_velocity_ratio) <= 1.0
+    answer = planned(duration=0.9 * seconds)
+    assert answer.error_code == Code.LIMIT
+    assert f"{seconds:.6g}" in answer.error_msg
+    request.profile = PlanJoint.Request.CUBIC_SPLINE
+    answer = planned(duration=4 * seconds, time_from_start=seconds)
+    assert answer.error_code == Code.COLLISION and "'wall'" in answer.error_msg
+    assert "leave time_from_start of all via points at 0" in answer.error_msg
 
 
 def test_what_stands_in_the_wall_is_refused(client):
