@@ -17,7 +17,8 @@ from rclpy.action.client import ClientGoalHandle
 from rclpy.node import Node
 from unique_identifier_msgs.msg import UUID
 
-PATIENCE = 60.0
+# A busy machine starts the servers within this time, and they answer within this time, s.
+_START, _PATIENCE = 180.0, 60.0
 # A request without an answer is repeated after this time, s.
 _AGAIN = 2.0
 
@@ -33,11 +34,11 @@ def connect(node: Node, wait: Callable[[Any, float], object]) -> None:
     """
     for client in tuple(node.clients):
         name = client.srv_name
-        assert client.wait_for_service(PATIENCE), f"no {name}"
+        assert client.wait_for_service(_START), f"no {name}"
         _ask_until_answered(name, partial(client.call_async, client.srv_type.Request()), wait)
     for action in [one for one in node.waitables if isinstance(one, ActionClient)]:
         name = action._action_name
-        assert action.wait_for_server(PATIENCE), f"no {name}"
+        assert action.wait_for_server(_START), f"no {name}"
         unknown = ClientGoalHandle(action, UUID(uuid=list(uuid.uuid4().bytes)), None)
         for ask in (unknown.cancel_goal_async, unknown.get_result_async):
             _ask_until_answered(name, ask, wait)
@@ -51,7 +52,7 @@ def _ask_until_answered(
     name: str, ask: Callable[[], Any], wait: Callable[[Any, float], object]
 ) -> Any:
     """Return the answer to a request that is sent again until there is one."""
-    until = time.monotonic() + PATIENCE
+    until = time.monotonic() + _PATIENCE
     while time.monotonic() < until:
         future = ask()
         wait(future, _AGAIN)

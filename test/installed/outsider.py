@@ -36,15 +36,15 @@ class Outsider:
         self.context.try_shutdown()
 
     def client(self, kind, service):
-        """Return the client of a service, which is there."""
+        """Return the client of a service."""
         if service not in self._clients:
             self._clients[service] = self.node.create_client(kind, service)
-            assert self._clients[service].wait_for_service(PATIENCE), f"no {service}"
         return self._clients[service]
 
     def call(self, kind, service, request):
-        done = threading.Event()
-        future = self.client(kind, service).call_async(request)
+        client, done = self.client(kind, service), threading.Event()
+        assert client.wait_for_service(PATIENCE), f"no {service}"
+        future = client.call_async(request)
         future.add_done_callback(lambda _: done.set())
         assert done.wait(PATIENCE), f"{service} does not answer"
         return future.result()
