@@ -31,7 +31,7 @@ from rclpy.utilities import remove_ros_args
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.parameters import table_rows
 from robomech_ros.nodes.process.entry_points import EXIT_CANNOT_START
-from robomech_ros.nodes.process.memory import bound_memory, give_back_regularly
+from robomech_ros.nodes.process.memory import bound_heaps, bound_memory, give_back_regularly
 from robomech_ros.nodes.process.resident_pages import settle_pages
 from robomech_ros.nodes.process.simulated_clock import watch_for_simulated_time
 
@@ -168,6 +168,7 @@ def run_nodes(factories: Sequence[Callable[[], Node]], args: Sequence[str] | Non
         return _refuse(program, f"unknown argument {rest[0]!r}; see --help")
     signals = _signal_events()
     bound_memory()
+    bound_heaps()
     nodes: list[Node] = []
     try:
         rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)

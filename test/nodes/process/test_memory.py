@@ -51,6 +51,44 @@ print(before, after, held())
 """
 
 
+HEAPS = """
+import ctypes, sys, threading
+from robomech_ros.nodes.process.memory import bound_heaps
+
+if sys.argv[1] == "bound":
+    bound_heaps()
+libc = ctypes.CDLL(None)
+libc.malloc.restype = libc.fopen.restype = ctypes.c_void_p
+libc.malloc_info.argtypes, libc.fclose.argtypes = [ctypes.c_int, ctypes.c_void_p], [ctypes.c_void_p]
+together = threading.Barrier(9)
+
+def work():
+    libc.malloc(100)
+    together.wait(30.0)
+    together.wait(30.0)
+
+for _ in range(8):
+    threading.Thread(target=work).start()
+together.wait(30.0)
+file = libc.fopen(b"/dev/stdout", b"w")
+libc.malloc_info(0, file)
+libc.fclose(file)
+together.wait(30.0)
+"""
+
+
+def heaps(how):
+    """Count the heaps of a process in which eight threads allocate."""
+    done = subprocess.run(
+        [sys.executable, "-c", HEAPS, how], capture_output=True, text=True, timeout=120, check=True
+    )
+    return done.stdout.count("<heap nr=")
+
+
+def test_threads_share_heaps():
+    assert heaps("free") > 2 >= heaps("bound") > 0
+
+
 def test_holes_that_a_burst_leaves_go_back_to_the_system():
     done = subprocess.run(
         [sys.executable, "-c", BURST], capture_output=True, text=True, timeout=120, check=True
