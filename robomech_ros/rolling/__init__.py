@@ -41,6 +41,10 @@ if TYPE_CHECKING:
         swerve as swerve,
         tricycle as tricycle,
     )
+    from robomech_ros.rolling.steering_motion import (
+        SteeringMotion as SteeringMotion,
+        steering_along as steering_along,
+    )
     from robomech_ros.rolling.tree import (
         WheelJoints as WheelJoints,
         rolling_description as rolling_description,

@@ -338,6 +338,11 @@ class RollingBase:
         """Return the rates of all wheels for units of the twist, (n, 3), at zero angles."""
         return np.asarray(drive_rows(self.wheels, self._headings) / self.radii[:, None])
 
+    def driven_rate_rows(self, steering: Array) -> Array:
+        """Return the rates of the driven wheels for units of the twist, (k, 3), at angles (s,)."""
+        rows = drive_rows(self.wheels, self._rolling_directions(steering))
+        return np.asarray(rows / self.radii[:, None])[self._drives]
+
     def _rolling_directions(self, steering: Array) -> Array:
         angles = np.broadcast_to(self._headings, (*steering.shape[:-1], len(self.wheels))).copy()
         angles[..., self._turns] += steering

@@ -47,7 +47,7 @@ class PlatformBody:
 
 @dataclass(frozen=True, kw_only=True)
 class WheelBody:
-    """One wheel, and the bracket of a caster.
+    """One wheel, and the bracket of a caster or of a steered wheel.
 
     Parameters
     ----------
@@ -57,11 +57,14 @@ class WheelBody:
         Its inertia about its axle, with that of the motor, and about the vertical axis through its
         centre (kg m^2).
     bracket_mass, bracket_inertia : float, optional
-        Of a caster's bracket (kg); about the vertical axis through its mass centre (kg m^2).
+        Of the bracket (kg); about the vertical axis through its mass centre, with that of the
+        steering motor (kg m^2).
     bracket_centre : float, optional
         From the pivot back to the mass centre of the bracket (m).
     max_torque : float, optional
         Of the motor, at the wheel (N m).  Default without a limit.
+    max_steering_torque : float, optional
+        Of the motor that steers the wheel, at its pivot (N m).  Default without a limit.
     """
 
     mass: float = 0.0
@@ -71,13 +74,15 @@ class WheelBody:
     bracket_inertia: float = 0.0
     bracket_centre: float = 0.0
     max_torque: float = math.inf
+    max_steering_torque: float = math.inf
 
     def __post_init__(self) -> None:
-        units = {"mass": "kg", "bracket_mass": "kg", "bracket_centre": "m", "max_torque": "N m"}
+        units = {"mass": "kg", "bracket_mass": "kg", "bracket_centre": "m"}
+        units |= {"max_torque": "N m", "max_steering_torque": "N m"}
         for name in self.__dataclass_fields__:
             expected = f"a number from 0 {units.get(name, 'kg m^2')}"
             value = real_number(name, getattr(self, name), expected)
-            most = math.inf if name == "max_torque" else _HEAVIEST
+            most = math.inf if name.endswith("torque") else _HEAVIEST
             if not 0.0 <= value <= most:
                 raise BadValueError(name, value, f"{expected}, up to {most:g}")
             object.__setattr__(self, name, value)

@@ -6,12 +6,10 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.rolling.arcs import moved
 from robomech_ros.rolling.library import RollingRobot
 from robomech_ros.rolling.limiter import BaseMotion
+from robomech_ros.rolling.motor_control import DrivenBase, MotorControl
+from robomech_ros.rolling.steering_motion import SteeringMotion
 from robomech_ros.typing import Array
 
-# How fast the speed control of the motors takes differences away (1/s).
-_GAIN = 20.0
-# A twist below this (rad/s, m/s) is rest, where rest is commanded.
-_REST = 1e-9
 # How far a bracket turns in a step (rad), and so many steps a period has at most.
 _LONGEST_TURN, _MOST_CUT = 0.3, 100
 
@@ -22,8 +20,8 @@ class SimulatedBase:
     It has the pose (3,), x, y (m) and heading (rad), from where it began, and the twist (3,),
     ``[omega, v_x, v_y]``; positions and rates of all wheels (n,), of which some are driven; the
     angles of steered wheels (s,), and those of the casters' brackets (c,) with their rates; the
-    torques of driven wheels (k,), N m, None where it is not dynamic; and the wheels whose motors
-    are saturated.
+    torques of the motors (k + s,), of driven wheels and of those that steer, N m, None where it is
+    not dynamic; and the motors that are saturated.
     """
 
     def __init__(self, robot: RollingRobot, dynamic: bool, wheel_position: float) -> None:
@@ -31,20 +29,30 @@ class SimulatedBase:
         if dynamic and robot.dynamics is None:
             expected = "kinematic: this robot's document has no bodies"
             raise BadValueError("simulation", "dynamic", expected)
-        self._base, self._dynamics = base, robot.dynamics if dynamic else None
+        self._base = base
+        self._control = MotorControl(robot.dynamics) if dynamic and robot.dynamics else None
         self.pose, self.twist = np.zeros(3), np.zeros(3)
         self.positions = np.full(len(base.wheels), wheel_position)
         self.rates = np.zeros(len(base.wheels))
         self.steering = np.zeros(len(base.steered))
         self.driven = np.array([wheel.driven for wheel in base.wheels])
         self.brackets, self.bracket_rates = np.zeros(len(base.casters)), np.zeros(len(base.casters))
-        self.torques: Array | None = np.zeros(len(base.driven)) if dynamic else None
+        self.torques: Array | None = None
+        if dynamic:
+            self.torques = np.zeros(len(base.driven) + len(base.steered))
+        self._steering = SteeringMotion(self.steering)
         self.saturated: tuple[str, ...] = ()
 
     def advance(self, motion: BaseMotion, period: float) -> None:
         """Move on by a period (s), towards the twist and steering of a limited motion."""
-        self.steering = motion.steering
-        self.twist = self._moved_by_motors(motion, period) if self._dynamics else motion.twist
+        before = self.twist
+        self.steering, self.twist = motion.steering, motion.twist
+        if self._control is not None:
+            assert self.torques is not None
+            now = DrivenBase(before, self._steering, self.torques)
+            moved_on = self._control.advance(now, self.brackets, motion, period)
+            self.twist, self._steering, self.torques, self.saturated = moved_on
+            self.steering = self._steering.angles
         near = self.steering if len(self.steering) else None
         self.rates = self._base.rolling_rates(self.twist, near, self.brackets)
         self.positions = self.positions + period * self.rates
@@ -64,18 +72,3 @@ class SimulatedBase:
             if period <= 0.0:
                 break
         self.bracket_rates = (self.brackets - before) / time
-
-    def _moved_by_motors(self, motion: BaseMotion, period: float) -> Array:
-        """Return the twist after a period under the torques that the motors give."""
-        dynamics = self._dynamics
-        assert dynamics is not None
-        off = motion.twist - self.twist
-        if not motion.twist.any() and np.abs(self.twist).max() < _REST:
-            self.torques, self.saturated = np.zeros(len(self._base.driven)), ()
-            return np.zeros(3)
-        gain = min(_GAIN, 0.5 / period)
-        wanted = self._base.feasible(motion.acceleration + gain * off)
-        torques = dynamics.inverse(self.twist, wanted, self.brackets)
-        self.torques, self.saturated = dynamics.within_limits(torques)
-        change = dynamics.forward(self.twist, self.torques, self.brackets)
-        return self._base.feasible(self.twist + period * change)

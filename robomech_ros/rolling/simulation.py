@@ -11,11 +11,13 @@ from scipy.integrate import solve_ivp
 from robomech_ros.errors import BadValueError
 from robomech_ros.rolling.argument_checks import duration as checked_duration, one_vector
 from robomech_ros.rolling.dynamics import RollingDynamics
+from robomech_ros.rolling.steering_motion import SteeringMotion
 from robomech_ros.spatial.arrays import check_kind
 from robomech_ros.typing import Array, ArrayLike
 
-# From the time (s), the twist (3,) and the brackets' angles (c,) to torques (k,) (N m).
-Torques = Callable[[float, Array, Array], ArrayLike]
+# From the time (s), the twist (3,) and the brackets' angles (c,), of a base with steered wheels also
+# its SteeringMotion, to torques (k + s,) (N m).
+Torques = Callable[..., ArrayLike]
 
 # Of the integrator, relative and absolute: the energy of ten seconds is kept to 1e-8.
 _RTOL, _ATOL = 1e-11, 1e-12
@@ -36,6 +38,8 @@ class RollingSimulation:
         ``[omega, v_x, v_y]`` (rad/s, m/s), in the axes of the base.
     brackets : ndarray, shape (n, c)
         Angles of the casters' brackets (rad).
+    steering, steering_rates : ndarray, shape (n, s)
+        Of the steered wheels (rad, rad/s).
     kinetic : ndarray, shape (n,)
         Energy (J).
     work : ndarray, shape (n,)
@@ -48,6 +52,8 @@ class RollingSimulation:
     pose: Array
     twist: Array
     brackets: Array
+    steering: Array
+    steering_rates: Array
     kinetic: Array
     work: Array
     drift: float
@@ -61,9 +67,10 @@ def simulate_rolling(
     *,
     pose: ArrayLike = (0.0, 0.0, 0.0),
     brackets: ArrayLike | None = None,
+    steering: SteeringMotion | None = None,
     samples: int = 101,
 ) -> RollingSimulation:
-    """Move a base under torques of its driven wheels.
+    """Move a base under torques of its motors.
 
     Parameters
     ----------
@@ -71,13 +78,17 @@ def simulate_rolling(
     twist : array_like, shape (3,)
         At the start: ``[omega, v_x, v_y]`` (rad/s, m/s).
     torques : callable or None
-        ``torques(t, twist, brackets)`` gives those of the driven wheels (N m); None for none.
+        ``torques(t, twist, brackets)`` gives those of the driven wheels (N m); of a base with
+        steered wheels ``torques(t, twist, brackets, steering)`` gives those of the driven and of
+        the steered ones, from a SteeringMotion.  None for none.
     duration : float
         In s, up to an hour.
     pose : array_like, shape (3,), optional
         At the start: x, y (m) and heading (rad).
     brackets : array_like, shape (c,), optional
         At the start, angles of the casters' brackets (rad).  Default 0.
+    steering : SteeringMotion, optional
+        Of the steered wheels at the start.  Default at the angles of the twist, without rates.
     samples : int, optional
         How many moments are kept, evenly spaced, 2 or more.
 
@@ -100,31 +111,46 @@ def simulate_rolling(
     if type(samples) is not int or not 2 <= samples <= 1_000_000:
         raise BadValueError("samples", samples, "a number from 2 to a million")
     base, m, c = dynamics.base, dynamics.free.shape[1], len(dynamics.base.casters)
-    start = one_vector("twist", twist, 3)
-    dynamics.bodies(start, brackets)
+    start, count = one_vector("twist", twist, 3), len(base.steered)
+    begun = dynamics.moving(start, brackets, steering).independent
+    angles = steering.angles if steering else base.steering_angles(start)
     psi = np.zeros(c) if brackets is None else one_vector("brackets", brackets, c)
-    rates = np.linalg.lstsq(dynamics.free, start, rcond=None)[0]
-    state = np.concatenate([one_vector("pose", pose, 3), rates, psi, [0.0]])
+    coordinates = np.linalg.pinv(dynamics.free)
+    turning = (begun.shape @ begun.rates)[3:]
+    parts = [one_vector("pose", pose, 3), coordinates @ start, angles, turning, psi, [0.0]]
+    ends = np.cumsum([3, m, count, count, c])
 
     def derivative(t: float, y: Array) -> Array:
-        now, angles = dynamics.free @ y[3 : 3 + m], y[3 + m : -1]
-        drive = np.zeros(len(base.driven))
+        at, rates, beta, beta_rates, bracket, _ = np.split(y, ends)
+        now, turned = dynamics.free @ rates, SteeringMotion(beta, beta_rates)
+        drive = np.zeros(len(dynamics.motors))
         if torques is not None:
-            drive = one_vector("torques", torques(t, now, angles), len(base.driven))
-        change = dynamics.bodies(now, angles).forward(dynamics.drives.T @ drive)
-        cosine, sine = np.cos(y[2]), np.sin(y[2])
+            given = torques(t, now, bracket, *([turned] if count else []))
+            drive = one_vector("torques", given, len(drive))
+        state = dynamics.moving(now, bracket, turned, strict=False)
+        change = state.accelerations(drive, np.zeros(3))
+        cosine, sine = np.cos(at[2]), np.sin(at[2])
         moving = [cosine * now[1] - sine * now[2], sine * now[1] + cosine * now[2], now[0]]
-        power = drive @ (dynamics.drives @ y[3 : 3 + m])
-        return np.concatenate([moving, change, base.caster_rates(now, angles), [power]])
+        power = drive @ (state.motor_rates @ state.independent.rates)
+        pivots = base.caster_rates(now, bracket)
+        return np.concatenate([
+            moving, coordinates @ change[:3], beta_rates, change[3:], pivots, [power]
+        ])  # fmt: skip
 
     t = np.linspace(0.0, time, samples)
-    found = solve_ivp(derivative, (0.0, time), state, "DOP853", t, rtol=_RTOL, atol=_ATOL)
+    begin = np.concatenate(parts)
+    found = solve_ivp(derivative, (0.0, time), begin, "DOP853", t, rtol=_RTOL, atol=_ATOL)
     if not found.success or found.y.shape[1] != samples:
         raise BadValueError("motion", found.message, "one that can be integrated")
-    y = found.y.T
-    twists, angles = y[:, 3 : 3 + m] @ dynamics.free.T, y[:, 3 + m : -1]
-    pairs = zip(twists, angles, strict=True)
-    kinetic = np.array([dynamics.kinetic_energy(*one) for one in pairs])
-    work = y[:, -1]
+    poses, rates, beta, beta_rates, brackets_at, work = np.split(found.y.T, ends, axis=1)
+    twists, work = rates @ dynamics.free.T, work[:, 0]
+    kinetic = np.array(
+        [
+            dynamics.moving(
+                now, bracket, SteeringMotion(*turned), strict=False
+            ).bodies.kinetic_energy
+            for now, bracket, *turned in zip(twists, brackets_at, beta, beta_rates, strict=True)
+        ]
+    )
     drift = float(np.abs(kinetic - kinetic[0] - work).max())
-    return RollingSimulation(t, y[:, :3], twists, angles, kinetic, work, drift)
+    return RollingSimulation(t, poses, twists, brackets_at, beta, beta_rates, kinetic, work, drift)

@@ -1,5 +1,6 @@
 """Dynamics of rolling robots: the book's figures, Lagrange's equations with multipliers, energy."""
 
+import itertools
 import json
 import math
 from pathlib import Path
@@ -21,6 +22,9 @@ from robomech_ros.rolling import (
     omnidirectional,
     rolling_robot,
     simulate_rolling,
+    steering_along,
+    swerve,
+    tricycle,
 )
 
 GOLDEN = Path(__file__).parents[1] / "data" / "golden"
@@ -97,17 +101,25 @@ BASES = {
     "four wheels": omnidirectional(4, 0.08, 0.3),
     "four mecanum wheels": mecanum(0.1, 0.5, 0.4, roller=0.6),
 }
+STEERED = {
+    "tricycle": tricycle(0.125, 1.252, 0.8),
+    "car with a caster": RollingBase(
+        [*ackermann(0.15, 1.2, 0.8, steering_limit=1.5).wheels, caster(0.3, 0.1, 0.4)]
+    ),
+    "two steered wheels": swerve(0.05, [[0.3, 0.1], [-0.2, 0.0]]),
+    "swerve": swerve(0.05, [[0.25, 0.2], [0.2, -0.25], [-0.2, -0.2], [-0.25, 0.2]]),
+}
 
 
 def lagrange(moving):
     """Mass matrix, remaining inertia, constraints and their rates, by coordinates of all bodies.
 
-    Coordinates are x, y, heading, the wheels' angles and the brackets'.
+    Coordinates are x, y, heading, the wheels' angles, the brackets' and the steered wheels'.
     """
     base, casters = moving.base, len(moving.base.casters)
     count = len(base.wheels)
-    q = sympy.symbols(f"q0:{3 + count + casters}")
-    v = sympy.symbols(f"v0:{3 + count + casters}")
+    size = 3 + count + casters + len(base.steered)
+    q, v = sympy.symbols(f"q0:{size}"), sympy.symbols(f"v0:{size}")
     here, heading = sympy.Matrix(q[:2]), q[2]
 
     def turned(angle):
@@ -128,11 +140,12 @@ def lagrange(moving):
 
     platform = moving.platform
     kinetic = energy(platform.mass, at(platform.centre), platform.inertia, v[2])
-    rows, brackets = [], iter(range(3 + count, 3 + count + casters))
+    rows, axles = [], []
+    brackets, steering = iter(range(3 + count, size)), iter(range(3 + count + casters, size))
     for i, (wheel, body) in enumerate(zip(base.wheels, moving.wheels, strict=True)):
         place, angle, turn = at(wheel.position), heading + wheel.heading, v[2]
-        if wheel.kind == "caster":
-            psi = next(brackets)
+        if wheel.kind in ("caster", "steered"):
+            psi = next(brackets if wheel.kind == "caster" else steering)
             angle, turn = angle + q[psi], turn + v[psi]
             middle = place - body.bracket_centre * turned(angle)
             kinetic += energy(body.bracket_mass, middle, body.bracket_inertia, turn)
@@ -143,6 +156,14 @@ def lagrange(moving):
             rows.append(slip.dot(turned(angle + wheel.roller)))
         else:
             rows += [slip.dot(turned(angle)), slip.dot(across(angle))]
+        if wheel.kind in ("fixed", "steered"):
+            (x, y), side = map(float, wheel.position), across(angle - heading)
+            axles.append([x * side[1] - y * side[0], *side])
+    # What coordinates steered wheels: any three axles meet in one point.
+    triples = itertools.combinations(axles if base.steered else [], 3)
+    meeting = sympy.Matrix([sympy.Matrix(three).det() for three in triples])
+    if meeting:
+        rows += list(meeting.jacobian(q) * sympy.Matrix(v))
     momentum = sympy.Matrix([sympy.diff(kinetic, one) for one in v])
     M = momentum.jacobian(v)
     rest = momentum.jacobian(q) * sympy.Matrix(v) - sympy.Matrix([kinetic]).jacobian(q).T
@@ -151,36 +172,75 @@ def lagrange(moving):
     return sympy.lambdify([q, v], [M, rest, A, A_rate])
 
 
-@pytest.mark.parametrize("name", BASES)
+@pytest.mark.parametrize("name", BASES | STEERED)
 def test_accelerations_are_those_of_lagrange_with_multipliers(name):
-    base, rng = BASES[name], np.random.default_rng(9)
+    base, rng = (BASES | STEERED)[name], np.random.default_rng(9)
     moving = heavy(base, rng)
     equations, count = lagrange(moving), len(base.wheels)
-    for _ in range(5):
-        twist = base.feasible(rng.normal(size=3))
+    for _ in range(3):
+        twist = base.feasible(rng.normal([0.0, 1.0, 0.0], [0.3, 0.3, 1.0]))
+        steering = steering_along(base, twist, base.feasible(rng.normal(size=3)))
         psi = rng.uniform(-3.0, 3.0, len(base.casters))
-        torques, wrench = rng.normal(size=len(base.driven)), rng.normal(size=3)
+        torques, wrench = rng.normal(size=len(moving.motors)), rng.normal(size=3)
         heading = rng.uniform(-3.0, 3.0)
         c, s = math.cos(heading), math.sin(heading)
         R = np.array([[c, -s], [s, c]])
-        q = np.concatenate([[0.3, -0.2, heading], np.zeros(count), psi])
-        rates = [R @ twist[1:], twist[:1], base.rolling_rates(twist, brackets=psi)]
-        v = np.concatenate([*rates, base.caster_rates(twist, psi)])
+        q = np.concatenate([[0.3, -0.2, heading], np.zeros(count), psi, steering.angles])
+        rolling = base.rolling_rates(twist, steering.angles, brackets=psi)
+        rates = [R @ twist[1:], twist[:1], rolling, base.caster_rates(twist, psi), steering.rates]
+        v = np.concatenate(rates)
         M, rest, A, A_rate = (np.asarray(one, float) for one in equations(q, v))
         assert np.abs(A @ v).max() < 1e-12
         forces = np.zeros(len(q))
         forces[:2], forces[2] = R @ wrench[1:], wrench[0]
         at = [3 + i for i, wheel in enumerate(base.wheels) if wheel.driven]
-        forces[at] = torques
+        forces[at + list(range(len(q) - len(base.steered), len(q)))] = torques
         known = np.concatenate([forces - rest.ravel(), -A_rate.ravel()])
         zero = np.zeros((len(A), len(A)))
-        solved = np.linalg.lstsq(np.block([[M, A.T], [A, zero]]), known, rcond=None)[0]
+        solved = np.linalg.lstsq(np.block([[M, A.T], [A, zero]]), known, rcond=1e-13)[0]
         body = R.T @ solved[:2]
-        expected = np.array(
-            [solved[2], body[0] + twist[0] * twist[2], body[1] - twist[0] * twist[1]]
-        )
-        found = moving.forward(twist, torques, psi, wrench=wrench)
+        expected = np.array([
+            solved[2], body[0] + twist[0] * twist[2], body[1] - twist[0] * twist[1],
+            *solved[len(q) - len(base.steered) : len(q)],
+        ])  # fmt: skip
+        found = moving.forward(twist, torques, psi, steering=steering, wrench=wrench)
         assert np.abs(found - expected).max() < 1e-10 * max(1.0, np.abs(expected).max())
+
+
+@pytest.mark.parametrize("name", STEERED)
+def test_torques_and_steering_of_a_motion(name):
+    """Differences of angles, energy and power; a pivot's own equation gives its torque."""
+    base, rng = STEERED[name], np.random.default_rng(12)
+    moving = heavy(base, rng)
+    for _ in range(5):
+        twist = base.feasible(rng.normal([0.0, 1.0, 0.0], [0.3, 0.3, 1.0]))
+        acceleration, jerk = (base.feasible([0.3, 2.0, 1.0] * rng.normal(size=3)) for _ in "ab")
+        psi, step = rng.uniform(-3.0, 3.0, len(base.casters)), 1e-5
+        steering = steering_along(base, twist, acceleration, jerk)
+
+        def later(h):
+            at = twist + h * acceleration + 0.5 * h * h * jerk
+            return steering_along(base, at, acceleration + h * jerk, near=steering.angles)  # noqa: B023
+
+        before, after = later(-step), later(step)
+        assert (after.angles - before.angles) / (2 * step) == pytest.approx(steering.rates, 1e-6)
+        slope = (after.rates - before.rates) / (2.0 * step)
+        assert slope == pytest.approx(steering.accelerations, rel=1e-6, abs=1e-6)
+        torques = moving.inverse(twist, acceleration, psi, steering=steering)
+        back = moving.forward(twist, torques, psi, steering=steering)
+        assert back == pytest.approx(np.append(acceleration, steering.accelerations), abs=1e-9)
+        turn = step * base.caster_rates(twist, psi)
+        gain = [
+            moving.kinetic_energy(
+                base.feasible(twist + h * acceleration + 0.5 * h * h * jerk), psi + h / step * turn,
+                steering=later(h),
+            )
+            for h in (-step, step)
+        ]  # fmt: skip
+        driven = [wheel.driven for wheel in base.wheels]
+        rolling = base.rolling_rates(twist, steering.angles, psi)[driven]
+        power = torques @ np.append(rolling, steering.rates)
+        assert (gain[1] - gain[0]) / (2.0 * step) == pytest.approx(power, rel=1e-6, abs=1e-6)
 
 
 @pytest.mark.parametrize("name", BASES)
@@ -214,21 +274,25 @@ def test_inverse_and_forward_dynamics_belong_together(name):
         assert np.abs(skew + skew.T).max() < 1e-8 * max(1.0, np.abs(skew).max()) + rounding
 
 
-@pytest.mark.parametrize("name", ["two wheels, a caster", "four mecanum wheels"])
+@pytest.mark.parametrize("name", ["two wheels, a caster", "four mecanum wheels", *STEERED])
 def test_energy_is_kept_to_1e_8(name):
-    base = BASES[name]
+    base = (BASES | STEERED)[name]
     moving = heavy(base, np.random.default_rng(11))
     twist = base.feasible([0.9, 0.6, -0.3])
-    free = simulate_rolling(moving, twist, None, 10.0, brackets=[1.0] * len(base.casters))
+    time = 2.0 if base.steered else 10.0
+    free = simulate_rolling(moving, twist, None, time, brackets=[1.0] * len(base.casters))
     assert free.drift < 1e-8 * free.kinetic[0]
     assert not free.work.any()
 
-    def torques(t, twist, brackets):
-        return np.sin(t + np.arange(len(base.driven)))
+    def torques(t, twist, brackets, steering=None):
+        return np.sin(t + np.arange(len(moving.motors)))
 
-    driven = simulate_rolling(moving, twist, torques, 3.0)
+    driven = simulate_rolling(moving, twist, torques, 0.3 * time)
     assert driven.drift < 1e-8 * driven.kinetic.max()
-    assert np.ptp(driven.work) > 0.1
+    assert np.ptp(driven.work) > 0.05
+    if base.steered:
+        wanted = base.steering_angles(driven.twist[-1], driven.steering[-1])
+        assert driven.steering[-1] == pytest.approx(wanted, abs=1e-8)
 
 
 def test_the_pose_of_a_run_is_that_of_its_twist():
@@ -250,8 +314,10 @@ def test_torques_are_shortened_as_a_whole():
 
 def test_what_is_no_dynamics_is_refused():
     body, platform = WheelBody(mass=1.0), PlatformBody(mass=1.0, inertia=1.0)
-    with pytest.raises(BadValueError, match="front_right, front_left', expected a base without"):
-        RollingDynamics(ackermann(0.15, 1.2, 0.8), platform, [body] * 4)
+    steered = Wheel(kind="steered", position=[0.0, 0.0], radius=0.05)
+    wheels = [*omnidirectional(3, 0.1, 0.3).wheels, steered]
+    with pytest.raises(BadValueError, match="type of the base is '\\(2,1\\)', expected \\(1,1\\)"):
+        RollingDynamics(RollingBase(wheels), platform, [body] * 4)
     with pytest.raises(WrongSizeError, match="wheels has size 1"):
         RollingDynamics(differential_drive(0.1, 0.4), platform, [body])
     with pytest.raises(BadValueError, match="mass is -1.0"):

@@ -120,15 +120,16 @@ class MobileBase:
         """Move on by one period."""
         base, options = self.robot.base, self.options
         self.timed_out = not self._counts()
-        before = self.motion.steering
+        before = self.simulated.steering
         self._used = True
         target = self._standing if self.timed_out else self._target
         self.motion = self.limiter.approach(self.motion, *target)
         self.time += options.period
-        self.steering_rates = (self.motion.steering - before) / options.period
         self.wheel_rates = base.wheel_rates(self.motion.twist, self.motion.steering)
         self.simulated.advance(self.motion, options.period)
-        steering = self.motion.steering if base.steered else None
+        self.steering_rates = (self.simulated.steering - before) / options.period
+        known = self.motion if options.open_loop else self.simulated
+        steering = known.steering if base.steered else None
         self.odometry = advance_odometry(
             base, self.odometry, self._measured(), options.period, steering=steering
         )
