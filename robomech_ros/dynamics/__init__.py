@@ -30,11 +30,16 @@ if TYPE_CHECKING:
         potential_energy as potential_energy,
         power_balance as power_balance,
     )
+    from robomech_ros.dynamics.floating.base_motion import FloatingBase as FloatingBase
     from robomech_ros.dynamics.floating.chain import FloatingChain as FloatingChain
     from robomech_ros.dynamics.floating.motion import (
         FloatingMotion as FloatingMotion,
-        move_floating_tip as move_floating_tip,
         simulate_floating as simulate_floating,
+    )
+    from robomech_ros.dynamics.floating.system import FloatingDynamics as FloatingDynamics
+    from robomech_ros.dynamics.floating.tip_motion import (
+        follow_floating_path as follow_floating_path,
+        move_floating_tip as move_floating_tip,
     )
     from robomech_ros.dynamics.formulations.complexity import (
         ALGORITHMS as ALGORITHMS,

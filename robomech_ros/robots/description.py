@@ -51,6 +51,8 @@ class RobotDescription(Printed):
         The text of the URDF that it was read from, empty where there was none.
     notes : tuple of str
         Entries of the document that were passed over, and numbers that are hardly meant.
+    floating_base : Body or None
+        Free body that carries the robot, such as a spacecraft, in the frame of the root link.
     """
 
     name: str
@@ -63,6 +65,7 @@ class RobotDescription(Printed):
     home: Mapping[str, float] = field(default_factory=dict)
     document: str = ""
     notes: tuple[str, ...] = ()
+    floating_base: Body | None = None
 
     @cached_property
     def root(self) -> str:

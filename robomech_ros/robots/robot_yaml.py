@@ -16,6 +16,10 @@ A joint may have the ``body`` that it moves, in frame i + 1 of the table, and it
         body: {mass: 2.0, com: [-0.5, 0.0, 0.0], inertia: {ixx: 0.0, iyy: 0.17, izz: 0.17}}
         drive: {viscous: 0.1, coulomb: 0.5, rotor_inertia: 2.0e-4, gear_ratio: 100.0}
 
+A robot in space floats with the free body that carries it, in the frame of the root link::
+
+    floating_base: {mass: 9.0e3, com: [0.0, 0.0, -2.0], inertia: {ixx: 7e4, iyy: 7e4, izz: 7e4}}
+
 Beside a URDF of the same stem a file gives its source, and what URDF has no place for::
 
     source: where the numbers come from
@@ -35,12 +39,13 @@ from typing import Any
 import numpy as np
 
 from robomech_ros.errors import RobomechError, RobotDescriptionError, format_value
+from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.dh import chain_from_dh
 from robomech_ros.robots.dh_table import implausible_angles
 from robomech_ros.robots.documents.guarded_yaml import check_keys, parse_yaml
-from robomech_ros.robots.documents.yaml_bodies import drive_from_yaml
+from robomech_ros.robots.documents.yaml_bodies import body_from_yaml, drive_from_yaml
 from robomech_ros.robots.documents.yaml_rows import (
     read_number,
     read_pose,
@@ -65,6 +70,7 @@ _TOP_OPTIONAL = (
     "base",
     "tool",
     "home",
+    "floating_base",
 )
 
 
@@ -114,7 +120,17 @@ def description_from_yaml(text: str | bytes, where: str = "YAML") -> RobotDescri
         bodies=bodies,
         home=_home(document, joints, where, angle),
         notes=tuple(_implausible(rows)),
+        floating_base=_floating_base(document, f"{where}: floating_base"),
     )
+
+
+def _floating_base(document: Mapping[str, Any], where: str) -> Body | None:
+    if "floating_base" not in document:
+        return None
+    body = body_from_yaml(document["floating_base"], where)
+    if fault := body.fault():
+        raise RobotDescriptionError(where, fault)
+    return body
 
 
 def _source(document: Mapping[str, Any], where: str) -> str:

@@ -1,4 +1,4 @@
-"""Motions of a chain on a free base at constant momentum: simulated, or prescribed for the tip.
+"""Motions of a chain on a free base at constant momentum, and their simulation.
 
 The momentum determines the twist of the base for given joint values and rates.  The mass centre
 moves uniformly and determines the position of the base.  Only the orientation and the joints are
@@ -41,10 +41,6 @@ _TOLERANCE = 1e-12
 _MOST_STEPS = 50_000
 # Rate below which dry friction is smoothed (rad/s or m/s).
 _REST_RATE = 1e-2
-# Feedback gain for the tip's pose error, times the duration.
-_RETURN = 50.0
-# Part of the greatest singular value of the generalised Jacobian below which it is singular.
-_SINGULAR = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +77,7 @@ class FloatingMotion:
     reason: str
 
 
-class _Conserved:
+class Conserved:
     """Momentum (6,) and uniform motion of the mass centre, from the state at the start."""
 
     def __init__(self, robot: FloatingChain, pose: Array, q: Array, rates: Array) -> None:
@@ -105,7 +101,7 @@ class _Conserved:
         self, t: Array, Q: Array, q: Array, qd: Array, work: Array, why: str
     ) -> FloatingMotion:
         """Collect states at times (m,)."""
-        robot, turns = self.robot, _rotation(Q)
+        robot, turns = self.robot, rotation(Q)
         rates = np.array([self.rates(*one) for one in zip(turns, q, qd, strict=True)])
         poses = np.array([self.pose(*one) for one in zip(t, turns, q, strict=True)])
         inside = np.array([robot.momentum(*one) for one in zip(q, rates, strict=True)])
@@ -171,144 +167,36 @@ def simulate_floating(
     >>> bool(np.abs(run.momentum).max() < 1e-12), run.reason
     (True, 'finished')
     """
-    kept, start, qd, grid = _started(robot, pose, q, rates, duration, times)
+    kept, start, qd, grid = started(robot, pose, q, rates, duration, times)
     n, drives = robot.n, _as_torque(torque, robot.n)
     friction = friction_model(robot.chain)
 
     def change(t: float, state: Array) -> Array:
         joints, speeds = state[4 : 4 + n], state[4 + n : 4 + 2 * n]
-        u = kept.rates(_rotation(state[:4]), joints, speeds)
+        u = kept.rates(rotation(state[:4]), joints, speeds)
         tau = of_shape("torque", real_array("torque", drives(t, joints.copy(), u.copy())), (n,))
         tau = tau - friction_of_rates(friction, speeds, np.tanh(speeds / _REST_RATE))
         if not np.isfinite(tau).all():
             raise RunAwayError(f"the motion ran away: the torque at {t:.6g} s is not finite")
         found = robot.forward(joints, u, np.concatenate((np.zeros(6), tau)))
         return np.concatenate(
-            (_quaternion_rate(state[:4], u[:3]), speeds, found[6:], [tau @ speeds])
+            (quaternion_rate(state[:4], u[:3]), speeds, found[6:], [tau @ speeds])
         )
 
-    t, states, why = _integrated(change, np.concatenate((start, qd, [0.0])), grid)
+    t, states, why = integrated(change, np.concatenate((start, qd, [0.0])), grid)
     return kept.motion(
         t, states[:, :4], states[:, 4 : 4 + n], states[:, 4 + n : -1], states[:, -1], why
     )
 
 
-def move_floating_tip(
-    robot: FloatingChain,
-    pose: ArrayLike,
-    q: ArrayLike,
-    goal: ArrayLike | None,
-    duration: float,
-    *,
-    rates: ArrayLike | None = None,
-    times: ArrayLike | None = None,
-) -> FloatingMotion:
-    """Move the tip straight to a pose in inertial space, or hold it, while the base reacts.
-
-    The tip follows the 3-4-5 polynomial and turns about one axis.  Joint rates are the least-norm
-    solution of the generalised Jacobian.
-
-    Parameters
-    ----------
-    robot : FloatingChain
-        Chain of six joints or more.
-    pose : array_like, shape (4, 4)
-        Base in the inertial frame (m) at the start.
-    q : array_like, shape (n,)
-        Joint values (rad or m) at the start.
-    goal : array_like, shape (4, 4), or None
-        Tip in the inertial frame (m) at the end; None holds it where it is.
-    duration : float
-        In s.
-    rates : array_like, shape (6 + n,), optional
-        Rates at the start, whose momentum is conserved.  Default at rest.
-    times : array_like, shape (m,), optional
-        As for :func:`simulate_floating`.
-
-    Returns
-    -------
-    FloatingMotion
-        ``work`` is the change of kinetic energy.  The motion ends early if a joint reaches a limit
-        of position or velocity, or if the generalised Jacobian becomes singular.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        An argument has a wrong value or shape.
-
-    References
-    ----------
-    Umetani, Yoshida, Resolved motion rate control of space manipulators with generalized Jacobian
-    matrix, IEEE Trans. Robotics and Automation 5, 1989.
-    """
-    kept, start, _, grid = _started(robot, pose, q, rates, duration, times)
-    n, chain = robot.n, robot.chain
-    if n < 6:
-        raise BadValueError("number of joints", n, "6 or more, to move the tip along a line")
-    first = as_pose(pose) @ forward_kinematics(chain, start[4:])
-    last = first if goal is None else as_pose(as_single("goal", goal, (4, 4)), what="goal")
-    turn = rotation_vector_from_matrix(last[:3, :3] @ first[:3, :3].T)
-    straight = np.concatenate((turn, last[:3, 3] - first[:3, 3]))
-
-    def joint_rates(t: float, R: Array, joints: Array) -> tuple[Array, bool]:
-        part = min(max(t / duration, 0.0), 1.0)
-        along = part**3 * (10.0 + part * (6.0 * part - 15.0))
-        speed = 30.0 * (part * (1.0 - part)) ** 2 / duration
-        wanted = assembled(
-            matrix_from_rotation_vector(along * turn) @ first[:3, :3],
-            first[:3, 3] + along * straight[3:],
-        )
-        tip = kept.pose(t, R, joints) @ forward_kinematics(chain, joints)
-        twist = speed * straight + _RETURN / duration * pose_error(wanted, tip)
-        inside = np.concatenate((R.T @ twist[:3], R.T @ twist[3:]))
-        adrift = kept.rates(R, joints, np.zeros(n))
-        needed = inside - robot.tip_jacobian(joints) @ adrift
-        found, _, rank, _ = np.linalg.lstsq(
-            robot.generalized_jacobian(joints), needed, rcond=_SINGULAR
-        )
-        return np.asarray(found, dtype=np.float64), bool(rank == 6)
-
-    def change(t: float, state: Array) -> Array:
-        R, joints = _rotation(state[:4]), state[4:]
-        speeds, _ = joint_rates(t, R, joints)
-        return np.concatenate(
-            (_quaternion_rate(state[:4], kept.rates(R, joints, speeds)[:3]), speeds)
-        )
-
-    def check(t: float, state: Array) -> None:
-        joints = state[4:]
-        speeds, regular = joint_rates(t, _rotation(state[:4]), joints)
-        if not regular:
-            raise RunAwayError(f"the generalised Jacobian is singular at {t:.6g} s")
-        outside = np.maximum(chain.lower - joints, joints - chain.upper)
-        _stop_at_limit(chain, outside, f"its position limit at {t:.6g} s")
-        _stop_at_limit(chain, np.abs(speeds) - chain.velocity, f"its velocity limit at {t:.6g} s")
-
-    t, states, why = _integrated(change, start, grid, check)
-    joints = states[:, 4:]
-    speeds = np.array(
-        [joint_rates(*one)[0] for one in zip(t, _rotation(states[:, :4]), joints, strict=True)]
-    )
-    found = kept.motion(t, states[:, :4], joints, speeds, np.zeros(len(t)), why)
-    found.work[:] = found.kinetic - found.kinetic[0]
-    return found
-
-
-def _stop_at_limit(chain: SerialChain, beyond: Array, limit: str) -> None:
-    """End the motion where a joint is beyond a limit; NaN stands for no limit."""
-    for joint, excess in zip(chain.joint_names, beyond.tolist(), strict=True):
-        if excess > 0.0:
-            raise RunAwayError(f"joint '{joint}' came to {limit}")
-
-
-def _started(
+def started(
     robot: FloatingChain,
     pose: ArrayLike,
     q: ArrayLike,
     rates: ArrayLike | None,
     duration: float,
     times: ArrayLike | None,
-) -> tuple[_Conserved, Array, Array, Array]:
+) -> tuple[Conserved, Array, Array, Array]:
     """Check a start; return conserved momentum, quaternion and joints, joint rates, and times."""
     check_kind("robot", robot, FloatingChain, "a FloatingChain")
     T = as_pose(as_single("pose", pose, (4, 4)))
@@ -321,11 +209,11 @@ def _started(
         grid = np.linspace(0.0, end, 101)
     if not len(grid):
         raise BadValueError("number of times", 0, "1 or more")
-    kept = _Conserved(robot, T, joints, u)
+    kept = Conserved(robot, T, joints, u)
     return kept, np.concatenate((quaternion_from_matrix(T[:3, :3]), joints)), u[6:], grid
 
 
-def _integrated(
+def integrated(
     change: Callable[[float, Array], Array],
     start: Array,
     grid: Array,
@@ -380,12 +268,12 @@ def _as_torque(torque: ArrayLike | FloatingTorque | None, n: int) -> FloatingTor
     return lambda t, q, rates: constant
 
 
-def _rotation(Q: Array) -> Array:
+def rotation(Q: Array) -> Array:
     """Return rotation matrices of quaternions (..., 4) whose norms have drifted."""
     return matrix_from_quaternion(Q / np.linalg.norm(Q, axis=-1, keepdims=True))
 
 
-def _quaternion_rate(Q: Array, w: Array) -> Array:
+def quaternion_rate(Q: Array, w: Array) -> Array:
     """Return the derivative of a quaternion (4,) for an angular velocity in its own axes."""
     x, y, z, s = (0.5 * Q).tolist()
     return np.array([[s, -z, y], [z, s, -x], [-y, x, s], [-x, -y, -z]]) @ w
