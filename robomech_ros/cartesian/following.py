@@ -153,15 +153,35 @@ def follow_path(
     allowed.check_start(values)
     tracking = track_path(path, robot.arm, values, limits=allowed)
     end = dead_end(tracking, robot, allowed)
-    tracking = _cut(tracking if end is None else tracking.cut(end), robot, most)
+    tracking = tracking if end is None else tracking.cut(end)
+    return checked_following(robot, path, values, tracking, most)
+
+
+def checked_following(
+    robot: PathModel, path: PosePath, start: Array, tracking: PathTracking, bounds: PathStopLimits
+) -> PathFollowingResult:
+    """End a joint path that follows a pose path at the first bound, and say why.
+
+    Parameters
+    ----------
+    robot : PathModel
+        Of n joints.
+    path : PosePath
+    start : ndarray, shape (n,)
+        Joint values (rad or m).
+    tracking : PathTracking
+        Joint path from there.
+    bounds : PathStopLimits
+    """
+    tracking = _cut(tracking, robot, bounds)
     if tracking.status is PathTrackingStatus.COMPLETE:
-        return PathFollowingResult(robot, path, values, tracking, None)
+        return PathFollowingResult(robot, path, start, tracking, None)
     joint = None if tracking.joint is None else robot.limits.joint_names[tracking.joint]
     index = 0 if tracking.path is None else _on_the_way_to(path, tracking.reached)
     text = f"before waypoints[{index}], " if path.waypoints is not None else ""
     text += tracking.reason
     stop = StopReason(index, joint, tracking.status, text)
-    return PathFollowingResult(robot, path, values, tracking, stop)
+    return PathFollowingResult(robot, path, start, tracking, stop)
 
 
 def waypoint_fraction(followed: PathFollowingResult, waypoints: ArrayLike) -> float:

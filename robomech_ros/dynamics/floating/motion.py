@@ -21,15 +21,7 @@ from robomech_ros.dynamics.simulation.integration import FINISHED
 from robomech_ros.dynamics.simulation.simulate import as_times
 from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.robots.chain import SerialChain
-from robomech_ros.spatial import (
-    as_pose,
-    matrix_from_quaternion,
-    matrix_from_rotation_vector,
-    pose_error,
-    quaternion_from_matrix,
-    rotation_vector_from_matrix,
-)
+from robomech_ros.spatial import as_pose, matrix_from_quaternion, quaternion_from_matrix
 from robomech_ros.spatial.arrays import as_finite, as_single, check_kind, of_shape, real_array
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array, ArrayLike
@@ -218,6 +210,7 @@ def integrated(
     start: Array,
     grid: Array,
     check: Callable[[float, Array], None] = lambda t, state: None,
+    tolerance: float = _TOLERANCE,
 ) -> tuple[Array, Array, str]:
     """Integrate from 0 s; return the reached times, the states there, and the reason for the end.
 
@@ -243,7 +236,7 @@ def integrated(
         with np.errstate(over="ignore", invalid="ignore"):
             check(0.0, start)
             change(0.0, start)
-            solver = DOP853(refusing, 0.0, start, grid[-1], rtol=_TOLERANCE, atol=_TOLERANCE)
+            solver = DOP853(refusing, 0.0, start, grid[-1], rtol=tolerance, atol=tolerance)
             for wanted in grid[grid > 0.0]:
                 while solver.t < wanted:
                     if next(steps, None) is None:

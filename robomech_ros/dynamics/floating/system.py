@@ -59,7 +59,7 @@ class FloatingDynamics(ChainDynamics):
         return self.robot.mass
 
     def tip_twist(self, q: Array, rates: Array) -> Array:
-        """Return the twist [omega; v] (6,) of the tip in inertial space, in the axes of the base."""
+        """Return the twist [omega; v] (6,) of the tip in inertial space, in axes of the base."""
         return np.asarray(self.robot.tip_jacobian(q) @ self._rates(q, rates))
 
     def inverse(

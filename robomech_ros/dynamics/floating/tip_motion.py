@@ -31,8 +31,10 @@ from robomech_ros.typing import Array, ArrayLike
 FloatingPath = Callable[[float], tuple[Array, Array]]
 # Begins the reason of a motion that ends there.
 SINGULAR = "the generalised Jacobian is singular"
+# Of the integration; rounding of long paths is an order below.
+_TOLERANCE = 1e-11
 # Feedback gain for the tip's pose error, times the duration.
-_RETURN = 50.0
+_RETURN = 2.0
 # Part of the greatest singular value of the generalised Jacobian below which it is singular.
 _SINGULAR = 1e-4
 
@@ -179,7 +181,7 @@ def follow_floating_path(
             beyond = np.abs(speeds) - chain.velocity
             _stop_at_limit(chain, beyond, f"its velocity limit at {t:.6g} s")
 
-    t, states, why = integrated(change, start, grid, check)
+    t, states, why = integrated(change, start, grid, check, _TOLERANCE)
     joints = states[:, 4:]
     speeds = np.array(
         [joint_rates(*one)[0] for one in zip(t, rotation(states[:, :4]), joints, strict=True)]

@@ -16,10 +16,11 @@ from robomech_interfaces.srv import (
     SetPayload,
     SummarizeTorques,
 )
-from robomech_ros.dynamics import DynamicSystem, torque_summary
+from robomech_ros.dynamics import ChainDynamics, DynamicSystem, FloatingDynamics, torque_summary
 from robomech_ros.errors import RobomechError, WrongSizeError
 from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.nodes.common.error_codes import answer, guarded
+from robomech_ros.nodes.common.floating_base import FloatingRobot
 from robomech_ros.nodes.common.joint_messages import received_trajectory
 from robomech_ros.nodes.common.joint_positions import JointPositions
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
@@ -61,6 +62,7 @@ class DynamicsNode(Node):
     def _serve(self, model: RobotModel) -> None:
         self._model = model
         self._joints = JointPositions(model, self._monitor)
+        self._floating = FloatingRobot(model, self._table.settings)
         self._drives = Drives(model, self._joints)
         self._loaded = self._empty = self._drives.system
         self._frames = RobotFrames(self, model, self._monitor, lambda: self._table.settings)
@@ -75,7 +77,7 @@ class DynamicsNode(Node):
             serve(self, kind, name, callback, callback_group=ReentrantCallbackGroup())
         try:
             # The kernels are compiled or loaded now, not in the first request.
-            self._announce(self._empty)
+            self._announce(self._on_base(self._empty))
         except RobomechError as error:
             self.get_logger().warning(f"ready, but every request will be refused: {error}")
 
@@ -89,7 +91,7 @@ class DynamicsNode(Node):
 
     @guarded
     async def _inverse_dynamics(self, request: Any, response: Any) -> Any:
-        system = self._loaded
+        system = self._on_base(self._loaded)
         count, most = len(request.points), self._table.settings.max_batch_size
         if count > most:
             raise WrongSizeError("points", count, f"at most {most}, the parameter max_batch_size")
@@ -102,7 +104,8 @@ class DynamicsNode(Node):
 
     @guarded
     async def _forward_dynamics(self, request: Any, response: Any) -> Any:
-        system, q = self._loaded, await self._positions(without_rates(request.state))
+        system = self._on_base(self._loaded)
+        q = await self._positions(without_rates(request.state))
         velocity = rates(request.state, "velocity", self._drives, self._model)
         effort = rates(request.state, "effort", self._drives, self._model)
         wrench = (await self._wrench(request, q[None]))[0]
@@ -115,7 +118,7 @@ class DynamicsNode(Node):
 
     @guarded
     async def _mass_matrix(self, request: Any, response: Any) -> Any:
-        system, q = self._loaded, await self._positions(request.state)
+        system, q = self._on_base(self._loaded), await self._positions(request.state)
         response.mass_matrix = floats(system.mass_matrix(q))
         response.joint_names = list(system.drive_names)
         return answer(response)
@@ -125,13 +128,14 @@ class DynamicsNode(Node):
         chain, given = self._model.chain, request.payload
         load = payload_body(given.inertia, self._model.link_of(given.header.frame_id), chain)
         loaded = self._empty if load is None else self._empty.with_payload(load)
-        self._announce(loaded)
+        self._announce(self._on_base(loaded))
         self._loaded = loaded
         return answer(response)
 
     @guarded
     async def _summarize_torques(self, request: Any, response: Any) -> Any:
-        system, drives, settings = self._loaded, self._drives, self._table.settings
+        system = self._on_base(self._loaded)
+        drives, settings = self._drives, self._table.settings
         message = received_trajectory(request.trajectory)
         limits = settings.max_batch_size, settings.max_duration
         names = drives.named(list(message.joint_names))
@@ -147,6 +151,13 @@ class DynamicsNode(Node):
         motion, gravity = (times, q, velocity, acceleration), self._gravity(request)
         summary = torque_summary(system, *motion, gravity=gravity, tip_wrench=wrench)
         return answer(encode_summary(summary, drives.names, response))
+
+    def _on_base(self, system: DynamicSystem) -> DynamicSystem:
+        """Return an arm on its base if that floats, or the system itself."""
+        if not (self._floating.floats and isinstance(system, ChainDynamics)):
+            return system
+        momentum = self._table.settings.momentum or None
+        return FloatingDynamics(self._floating.carrying(system.chain), momentum)
 
     async def _positions(self, state: JointState) -> Array:
         """Read the positions (n,) of a state; of an empty one, the present ones."""

@@ -2,18 +2,25 @@
 
 from dataclasses import dataclass
 
+from robomech_ros.nodes.common.floating_base import FloatingSettings, check_momentum
 from robomech_ros.nodes.common.joint_positions import StateSettings
 from robomech_ros.nodes.common.parameters import ParameterError, changeable
 
 
 @dataclass(frozen=True)
-class DynamicsSettings(StateSettings):
+class DynamicsSettings(FloatingSettings, StateSettings):
     """Parameters of the node."""
 
     gravity: tuple[float, ...] = changeable(
         (0.0, 0.0, -9.81),
         "Gravity vector (down) in the base link of the chain, for requests without one",
         (-1000.0, 1000.0, "m/s^2"),
+    )
+    momentum: tuple[float, ...] = changeable(
+        (),
+        "Floating base: momentum of the whole robot in the axes of its base, angular about the "
+        "mass centre (N m s), then linear (N s). Empty = zero",
+        (-1e9, 1e9),
     )
     max_batch_size: int = changeable(
         10_000,
@@ -32,6 +39,7 @@ class DynamicsSettings(StateSettings):
 
 
 def check_settings(settings: DynamicsSettings) -> None:
-    """Refuse a gravity that is no vector."""
+    """Refuse a gravity that is no vector, and a momentum without six numbers."""
+    check_momentum(settings.momentum)
     if len(settings.gravity) != 3:
         raise ParameterError("gravity", list(settings.gravity), "a list of 3 numbers: x, y, z")

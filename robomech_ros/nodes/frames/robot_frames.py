@@ -183,6 +183,15 @@ class RobotFrames:
         present = (await self.monitor.wait_for(missing, patience)).tolist()
         return place.pose({**given, **dict(zip(missing, present, strict=True))})
 
+    def is_apart(self, frame: str) -> bool:
+        """Whether a known frame does not move with the robot: no link of it carries it in tf."""
+        link = self.model.link_of(frame)
+        if not link or link in self.model.description.links:
+            return False
+        path = self._listener.tree.path_to_root(self.model.full_frame(frame), None)
+        links = set(map(self.model.frame_of, self.model.description.links))
+        return links.isdisjoint(path)
+
     def _find(self, frame: str, instant: int | None) -> FrameAttachment:
         model, tree = self.model, self._listener.tree
         link = model.link_of(frame)

@@ -106,6 +106,7 @@ class ControlCycle:
         self._cycles_per_state = max(round(rate / settings.state_publish_rate), 1)
         self._count = 0
         self._limited = False
+        self._others: list[Callable[[tuple[int, int]], None]] = []
 
     def run(self) -> None:
         """Move the robot, and publish what is due."""
@@ -140,4 +141,11 @@ class ControlCycle:
 
     def publish_joint_states(self) -> None:
         """Publish where the joints are; the robot's lock is to be held."""
-        self.states.publish(self._robot.stamp())
+        stamp = self._robot.stamp()
+        self.states.publish(stamp)
+        for publish in self._others:
+            publish(stamp)
+
+    def also_publish(self, publish: Callable[[tuple[int, int]], None]) -> None:
+        """Call a function with the time stamp (s and ns) of all joint states from now on."""
+        self._others.append(publish)

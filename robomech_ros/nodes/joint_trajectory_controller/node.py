@@ -11,6 +11,7 @@ from rclpy.task import Future
 from robomech_ros.execution.controller.follower import Phase
 from robomech_ros.execution.controller.simulated_joints import Faults
 from robomech_ros.nodes.common.cooperative_wait import wake
+from robomech_ros.nodes.common.floating_base import FloatingRobot
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError
 from robomech_ros.nodes.common.robot_description import RobotModel
@@ -30,6 +31,7 @@ from robomech_ros.nodes.joint_trajectory_controller.diagnostics import (
     gripper_condition,
     robot_condition,
 )
+from robomech_ros.nodes.joint_trajectory_controller.floating_robot import BasePublisher, FloatingArm
 from robomech_ros.nodes.joint_trajectory_controller.goal_server import ExecuteMessages, GoalServer
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper, gripper_of
 from robomech_ros.nodes.joint_trajectory_controller.gripper.interfaces import serve_gripper
@@ -140,6 +142,8 @@ class JointTrajectoryControllerNode(Node):
         self._control_cycle = ControlCycle(
             self, commanded, model, settings, publish_control, self._servers, self._shutdown.look
         )
+        if isinstance(robot, FloatingArm):
+            self._control_cycle.also_publish(BasePublisher(self, robot, model, settings).publish)
         TrajectoryTopic(self, robot, report.publish)
         Commands(self, commanded, self._control_cycle.publish_joint_states)
         self._cycles = Cycles(self, clock, settings.publish_rate, self._control_cycle.run)
@@ -179,7 +183,7 @@ class JointTrajectoryControllerNode(Node):
 
     def _check(self, settings: ControllerSettings) -> None:
         """Refuse faults, payloads and objects that the robot cannot have."""
-        check_simulation(settings)
+        check_simulation(settings, isinstance(self._robot, FloatingArm))
         if self._robot is None:
             return
         self._faults(settings)
@@ -220,6 +224,9 @@ def _robot(model: RobotModel, settings: ControllerSettings, clock: MotionClock) 
     """Make the simulated robot: an arm, all limbs of a parallel robot, or all legs."""
     if model.legged is not None:
         return legged_robot(model.legged, settings, clock)
+    floating = FloatingRobot(model, settings)
+    if floating.floats:
+        return FloatingArm(floating.carrying(model.chain), settings, clock)
     if model.mechanism is None:
         return serial_robot(model.chain, settings, clock)
     # What is compiled for loops is loaded only where there are some.

@@ -7,6 +7,7 @@ import numpy as np
 
 from robomech_ros.execution.controller.follower_settings import FollowerSettings
 from robomech_ros.execution.controller.simulated_joints import Faults
+from robomech_ros.nodes.common.floating_base import FloatingSettings, check_momentum
 from robomech_ros.nodes.common.gripper_names import GripperNames, listed_names
 from robomech_ros.nodes.common.parameters import ParameterError, changeable, parameter
 from robomech_ros.nodes.display.robot_display import ALWAYS, AUTO, NEVER
@@ -18,7 +19,7 @@ SPLINES, NO_INTERPOLATION = "splines", "none"
 
 
 @dataclass(frozen=True)
-class ControllerSettings(GripperNames):
+class ControllerSettings(FloatingSettings, GripperNames):
     """Parameters of the node.
 
     Those of the gripper have names as of ros2_control's gripper controllers, with ``gripper_``
@@ -162,12 +163,27 @@ class ControllerSettings(GripperNames):
         (-1000.0, 1000.0, "m/s^2"),
     )
     payload_mass: float = changeable(
-        0.0, "Dynamic: mass at the tip that the drive controller does not know", (0.0, 1000.0, "kg")
+        0.0,
+        "Dynamic: mass at the tip that the drive controller does not know. Floating base: mass "
+        "that the tip has captured",
+        (0.0, 1000.0, "kg"),
     )
     payload_com: tuple[float, ...] = changeable(
+        (0.0, 0.0, 0.0), "Position of that mass in the frame of the tip", (-10.0, 10.0, "m")
+    )
+    payload_velocity: tuple[float, ...] = changeable(
         (0.0, 0.0, 0.0),
-        "Dynamic: position of that mass in the frame of the tip",
-        (-10.0, 10.0, "m"),
+        "Floating base: velocity of that mass before it was captured, in the inertial frame",
+        (-1000.0, 1000.0, "m/s"),
+    )
+    momentum: tuple[float, ...] = parameter(
+        (),
+        "Floating base: momentum of the whole robot at startup and after a reset, in the inertial "
+        "frame: angular about the mass centre (N m s), then linear (N s). Empty = zero",
+        (-1e9, 1e9),
+    )
+    odom_frame_id: str = parameter(
+        "odom", "Floating base: inertial frame of odom and /tf, where the base is at startup"
     )
     tracking_lag: float = parameter(
         0.0,
@@ -213,7 +229,7 @@ class ControllerSettings(GripperNames):
     )
 
 
-def check_simulation(settings: ControllerSettings) -> None:
+def check_simulation(settings: ControllerSettings, floating: bool = False) -> None:
     """Check that parameters of the simulation go together.
 
     Raises
@@ -223,9 +239,14 @@ def check_simulation(settings: ControllerSettings) -> None:
     """
     other = "tracking_lag" if settings.simulation == DYNAMIC else "payload_mass"
     value = getattr(settings, other)
-    if value:
+    if value and not floating:
         raise ParameterError(other, value, f"0 with simulation: {settings.simulation}")
-    for name in ("gravity", "payload_com"):
+    check_momentum(settings.momentum)
+    for name in ("momentum", "payload_velocity"):
+        if not floating and any(getattr(settings, name)):
+            allowed = "zero or empty: the base of the robot does not float"
+            raise ParameterError(name, list(getattr(settings, name)), allowed)
+    for name in ("gravity", "payload_com", "payload_velocity"):
         vector = getattr(settings, name)
         if len(vector) != 3:
             raise ParameterError(name, list(vector), "a list of 3 numbers: x, y, z")

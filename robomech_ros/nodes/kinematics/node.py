@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from contextlib import suppress
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -22,6 +23,7 @@ from robomech_ros.errors import RobomechError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.cooperative_wait import TimeSlices, Worker
 from robomech_ros.nodes.common.error_codes import OutcomeError, answer, guarded
+from robomech_ros.nodes.common.floating_base import FloatingRobot
 from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.joint_positions import JointPositions, Linkage
 from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
@@ -38,11 +40,13 @@ from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.common.robot_source import when_robot_known
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.kinematics.chain_manipulator import ChainManipulator
+from robomech_ros.nodes.kinematics.inertial_solution import solve_inertial
 from robomech_ros.nodes.kinematics.markers import MarkerPublisher, posture_markers
 from robomech_ros.nodes.kinematics.messages import (
     answer_in_time,
     encode_report,
     encode_result,
+    inverse_options,
     is_nearest,
     poses_in_base,
     workspace_cloud,
@@ -84,6 +88,7 @@ class KinematicsNode(Node):
         self._model = model
         self._joints = JointPositions(model, self._monitor)
         self._frames = RobotFrames(self, model, self._monitor, lambda: self._table.settings)
+        self._floating = FloatingRobot(model, self._table.settings)
         self._robot = self._manipulator()
         self._scene = MonitoredScene(self, model, self._monitor, self._worker)
         # While one of these waits, for a joint state, a frame or its turn, others are served.
@@ -134,9 +139,13 @@ class KinematicsNode(Node):
         frame = await self._frames.in_base(header.frame_id, patience, header.stamp)
         seed = self._joints.seed(way, request.seed)
         scene = await self._scene.of(way, request.ignore_collisions)
-        solve = self._robot.solver(way, request, scene)
-        start = perf_counter()
-        result = solve(T if frame is None else frame @ T, seed=seed)
+        start, in_base = perf_counter(), T if frame is None else frame @ T
+        if self._floating.floats and self._frames.is_apart(header.frame_id):
+            robot, options = self._floating.carrying(way), inverse_options(request)
+            solve = partial(solve_inertial, robot, in_base, seed, scene, options)
+            result = await self._worker.do(solve)
+        else:
+            result = self._robot.solver(way, request, scene)(in_base, seed=seed)
         seconds = perf_counter() - start
         encode_result(result, way.joint_names, self._points, seconds, response)
         return self._scene.add_note(scene, response)

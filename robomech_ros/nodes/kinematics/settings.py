@@ -2,12 +2,13 @@
 
 from dataclasses import dataclass
 
+from robomech_ros.nodes.common.floating_base import FloatingSettings
 from robomech_ros.nodes.common.joint_positions import StateSettings
 from robomech_ros.nodes.common.parameters import changeable
 
 
 @dataclass(frozen=True)
-class KinematicsSettings(StateSettings):
+class KinematicsSettings(FloatingSettings, StateSettings):
     """Parameters of the node."""
 
     max_batch_size: int = changeable(

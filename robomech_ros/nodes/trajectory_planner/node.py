@@ -12,10 +12,12 @@ from sensor_msgs.msg import JointState
 
 from robomech_interfaces.srv import PlanCartesian, PlanJoint
 from robomech_ros.cartesian import Sampling
-from robomech_ros.errors import MissingLimitsError, RobomechError
+from robomech_ros.errors import BadValueError, MissingLimitsError, RobomechError
 from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.error_codes import answer, guarded
+from robomech_ros.nodes.common.floating_base import FloatingRobot
+from robomech_ros.nodes.common.inertial_paths import plan_inertial
 from robomech_ros.nodes.common.joint_limits import NoLimitsForPlanError, robot_limits
 from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.joint_positions import JointPositions, is_empty
@@ -69,6 +71,7 @@ class TrajectoryPlannerNode(Node):
     def _serve(self, model: RobotModel) -> None:
         self._joints = JointPositions(model, self._monitor)
         self._motions = _motions_of(model, self._joints)
+        self._floating = FloatingRobot(model, self._table.settings)
         self._limits = self._motions.limits
         self._frames = RobotFrames(self, model, self._monitor, lambda: self._table.settings)
         self._points = TrajectoryPoints()
@@ -150,6 +153,10 @@ class TrajectoryPlannerNode(Node):
             options["bounds"] = ending_before_contact(scene.copy(), start, options["bounds"])
         kept = 1.0 - settings.limit_margin
         plan = partial(self._motions.along, path, start, kept, options)
+        frames = [one.header.frame_id for one in request.waypoints]
+        if self._floating.floats and self._are_apart(frames):
+            robot = self._floating.carrying(self._motions.way)
+            plan = partial(plan_inertial, robot, path, start, kept=kept, **options)
         found = await self._planned(plan, beside=True)
         self._plans.publish_waiting()
         encode_path_plan(found, wanted, self._limits.joint_names, self._points, response)
@@ -158,6 +165,14 @@ class TrajectoryPlannerNode(Node):
             poses = partial(self._motions.poses_along, found)
             self._plans.publish_soon(response.trajectory, poses)
         return self._scene.add_note(scene, response)
+
+    def _are_apart(self, frames: list[str]) -> bool:
+        """Whether frames stay in inertial space, or move with the floating base."""
+        apart = [self._frames.is_apart(frame) for frame in frames]
+        if any(apart) and not all(apart):
+            expected = "all in inertial space, or all in frames of the robot: its base floats"
+            raise BadValueError("frames of the waypoints", ", ".join(frames), expected)
+        return all(apart)
 
     async def _planned(self, plan: Callable[[], _P], *, beside: bool) -> _P:
         """Plan, beside serving others where that takes long; say where missing limits go."""

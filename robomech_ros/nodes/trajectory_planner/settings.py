@@ -2,12 +2,13 @@
 
 from dataclasses import dataclass
 
+from robomech_ros.nodes.common.floating_base import FloatingSettings
 from robomech_ros.nodes.common.parameters import changeable
 from robomech_ros.nodes.common.plan_settings import PlanSettings
 
 
 @dataclass(frozen=True)
-class PlannerSettings(PlanSettings):
+class PlannerSettings(FloatingSettings, PlanSettings):
     """Parameters of the node."""
 
     limit_margin: float = changeable(

@@ -1,0 +1,78 @@
+"""The floating base of a robot, as its document or a parameter says."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from robomech_ros.dynamics import FloatingChain
+from robomech_ros.errors import BadValueError
+from robomech_ros.nodes.common.error_codes import OutcomeError
+from robomech_ros.nodes.common.parameters import ParameterError, parameter
+from robomech_ros.nodes.common.robot_description import RobotModel, RobotSettings
+from robomech_ros.nodes.display.robot_display import ALWAYS, AUTO, NEVER
+from robomech_ros.outcomes import Code
+from robomech_ros.robots import Body, SerialChain
+
+
+@dataclass(frozen=True)
+class FloatingSettings(RobotSettings):
+    """Parameters of a node that serves robots on a floating base."""
+
+    floating_base: str = parameter(
+        AUTO,
+        "Whether the base floats freely, as in space: auto = if the robot's document has a "
+        "floating_base, always = with the mass of the root link, never = it is fixed",
+        choices=(AUTO, ALWAYS, NEVER),
+    )
+
+
+class FloatingRobot:
+    """A robot whose base may float.
+
+    Parameters
+    ----------
+    model : RobotModel
+    settings : FloatingSettings
+    """
+
+    def __init__(self, model: RobotModel, settings: FloatingSettings) -> None:
+        self._model, wanted = model, settings.floating_base
+        own = model.description.floating_base
+        self.floats = wanted == ALWAYS or (wanted == AUTO and own is not None)
+        if wanted == ALWAYS and (model.mechanism is not None or model.legged is not None):
+            allowed = f"{AUTO} or {NEVER}: '{model.chain.name}' is no arm"
+            raise ParameterError("floating_base", wanted, allowed)
+
+    def carrying(self, chain: SerialChain) -> FloatingChain:
+        """Return a chain with all joints of the configured one on the floating base.
+
+        Raises
+        ------
+        OutcomeError, MissingInertiaError, BadValueError
+            The mass of the base or of a link is unknown or impossible.
+        """
+        configured = self._model.chain
+        if chain.joint_names != configured.joint_names:
+            expected = f"a link that all joints of '{configured.name}' move: its base floats"
+            raise BadValueError("tip_link", chain.tip, expected)
+        return FloatingChain(chain, self._body)
+
+    @cached_property
+    def _body(self) -> Body:
+        description, fixed = self._model.description, self._model.fixed_frames
+        root = description.root
+        body = description.floating_base or description.bodies.get(root)
+        if body is None or root not in fixed:
+            text = (
+                f"the base '{self._model.chain.base}' floats, and link '{root}' has no mass and "
+                f"inertia; give them in the robot's description, or set floating_base to {NEVER}"
+            )
+            raise OutcomeError(Code.MISSING_INERTIA, text)
+        return body.expressed_in(fixed[root])
+
+
+def check_momentum(momentum: Sequence[float]) -> None:
+    """Refuse a parameter that is no momentum."""
+    if len(momentum) not in (0, 6):
+        allowed = "empty, or 6 numbers: angular x y z, linear x y z"
+        raise ParameterError("momentum", list(momentum), allowed)

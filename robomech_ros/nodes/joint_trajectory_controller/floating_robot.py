@@ -1,0 +1,138 @@
+"""The simulated arm on a floating base, which reacts to the motion of the joints."""
+
+import numpy as np
+from geometry_msgs.msg import TransformStamped
+from nav_msgs.msg import Odometry
+from rclpy.node import Node
+
+from robomech_ros.dynamics import FloatingBase, FloatingChain
+from robomech_ros.nodes.common.message_fields import NANO, fill_header
+from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.common.odometry_frame import LEAST, odometry_frame
+from robomech_ros.nodes.common.parameters import ParameterError
+from robomech_ros.nodes.common.pose_messages import fill_pose
+from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.display.robot_display import NEVER
+from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
+from robomech_ros.nodes.joint_trajectory_controller.settings import (
+    KINEMATIC,
+    ControllerSettings,
+    check_simulation,
+    initial_position,
+)
+from robomech_ros.robots import Body
+from robomech_ros.spatial.plain_poses import plain_pose
+from robomech_ros.trajectory.limits import Limits
+
+_DEPTH = 10
+
+
+class FloatingArm(SimulatedRobot):
+    """An arm whose base conserves the momentum of all bodies.
+
+    Parameters
+    ----------
+    robot : FloatingChain
+        Chain of n joints.
+    settings : ControllerSettings
+    clock : MotionClock
+
+    Attributes
+    ----------
+    base : FloatingBase
+        As of the state that is published.
+
+    Raises
+    ------
+    ParameterError
+        The initial position does not fit the robot, or forces of drives are to be simulated.
+    """
+
+    def __init__(
+        self, robot: FloatingChain, settings: ControllerSettings, clock: MotionClock
+    ) -> None:
+        check_simulation(settings, floating=True)
+        if settings.simulation != KINEMATIC:
+            allowed = f"{KINEMATIC}: the base of '{robot.chain.name}' floats"
+            raise ParameterError("simulation", settings.simulation, allowed)
+        self._robot, self._momentum = robot, settings.momentum or None
+        initial = initial_position(settings, Limits.of(robot.chain), robot.chain.home())
+        self._load, self._moved_at = _load(settings), clock.now()
+        self.base = FloatingBase(robot, initial, self._momentum)
+        super().__init__(robot.chain.name, robot.chain, initial, settings, clock)
+        self._capture(settings)
+
+    def advance_to(self, time: float) -> None:
+        """Move on to a time (s), and let the base react."""
+        super().advance_to(time)
+        now, shown = self.follower.now, self._shown
+        self.base.move(shown.position, shown.velocity, max(now - self._moved_at, 0.0))
+        self._moved_at = now
+
+    def reset(self, text: str) -> None:
+        """Put the joints and the base back to where they were at start, at once."""
+        super().reset(text)
+        self.base = FloatingBase(self._robot, self._start, self._momentum)
+        self._capture(self._settings)
+
+    def carry(self, settings: ControllerSettings) -> None:
+        """Capture the payload of these settings, or release it."""
+        if _load(settings) != self._load:
+            self._load = _load(settings)
+            self.advance()
+            self._capture(settings)
+        self._settings = settings
+
+    def _capture(self, settings: ControllerSettings) -> None:
+        mass, com = settings.payload_mass, np.array(settings.payload_com)
+        body = Body(mass, com, np.zeros((3, 3))) if mass else None
+        self.base.capture(body, settings.payload_velocity)
+
+
+class BasePublisher:
+    """Publishes the pose and the twist of a floating base on odom, and its frame on /tf.
+
+    Parameters
+    ----------
+    node : Node
+    arm : FloatingArm
+    model : RobotModel
+    settings : ControllerSettings
+    """
+
+    def __init__(
+        self, node: Node, arm: FloatingArm, model: RobotModel, settings: ControllerSettings
+    ) -> None:
+        self._arm = arm
+        self._odom = model.frame_prefix + settings.odom_frame_id
+        self._message = Odometry(child_frame_id=model.base_frame)
+        # The simulation knows both; filters invert these matrices.
+        for part in (self._message.pose, self._message.twist):
+            part.covariance = (LEAST * np.eye(6)).ravel()
+        self._odometry = node.create_publisher(Odometry, "odom", _DEPTH)
+        never = settings.publish_frames == NEVER
+        self._frames = None if never else odometry_frame(node, "/tf")
+
+    def publish(self, stamp: tuple[int, int]) -> None:
+        """Publish them at a ROS time (s and ns); the lock of the arm is to be held."""
+        base, message = self._arm.base, self._message
+        nanoseconds = stamp[0] * NANO + stamp[1]
+        fill_header(message.header, self._odom, nanoseconds)
+        fill_pose(message.pose.pose, base.pose)
+        angular, linear = message.twist.twist.angular, message.twist.twist.linear
+        twist = base.rates[:6].tolist()
+        angular.x, angular.y, angular.z, linear.x, linear.y, linear.z = twist
+        self._odometry.publish(message)
+        if self._frames is None:
+            return
+        frame = TransformStamped(child_frame_id=message.child_frame_id)
+        fill_header(frame.header, self._odom, nanoseconds)
+        place, turn = plain_pose(base.pose)
+        put, turned = frame.transform.translation, frame.transform.rotation
+        put.x, put.y, put.z = place
+        turned.x, turned.y, turned.z, turned.w = turn
+        self._frames.publish(self._frames.msg_type(transforms=[frame]))
+
+
+def _load(settings: ControllerSettings) -> tuple[object, ...]:
+    return settings.payload_mass, settings.payload_com, settings.payload_velocity
