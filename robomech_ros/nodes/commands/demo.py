@@ -13,6 +13,7 @@ from robomech_ros.cli.warmup import demonstration_modules, warm
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.commands.bringup import refuse_of_kind
 from robomech_ros.nodes.process.nodes_by_kind import KIND_NODES, REFUSED, NodesOfKind
+from robomech_ros.robots import load_description
 from robomech_ros.robots.documents.numbers_in_text import number
 from robomech_ros.robots.robot_kinds import ARM, check_name, kind_of
 
@@ -77,6 +78,14 @@ def _kind(args: argparse.Namespace) -> NodesOfKind | None:
     return own
 
 
+def _floats(args: argparse.Namespace) -> bool:
+    """Whether the document of an arm has a floating base, whose drives are not simulated."""
+    floats = load_description(args.robot).floating_base is not None
+    if floats and args.dynamic:
+        raise BadValueError("--dynamic", args.robot, "a robot on a fixed base; this one floats")
+    return floats
+
+
 def _check_folder(folder: Path) -> None:
     """Make the folder, and refuse one that takes no files: a demonstration runs for a minute."""
     try:
@@ -114,6 +123,11 @@ def run(args: argparse.Namespace) -> int:
             from robomech_ros.nodes.demonstration.obstacle_session import demonstrate_obstacles
 
             demonstrate_obstacles(which, args.output)
+            return
+        if kind_of(args.robot) == ARM and _floats(args):
+            from robomech_ros.nodes.demonstration.capture_session import demonstrate_capture
+
+            demonstrate_capture(which, args.output)
             return
         from robomech_ros.nodes.demonstration.session import demonstrate
 

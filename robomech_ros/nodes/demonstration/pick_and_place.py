@@ -1,10 +1,11 @@
 """The task of the demonstration: to a pick pose, then to a place pose."""
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParametersAtomically
+from rclpy.parameter import Parameter as NodeParameter
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
@@ -52,11 +53,23 @@ def carry(client: DemoClient, mass: float) -> None:
     DemoFailedError
         The robot cannot carry it.
     """
-    value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=mass)
-    parameter = Parameter(name="payload_mass", value=value)
-    result = client.ask(_SERVICE, SetParametersAtomically.Request(parameters=[parameter])).result
+    change_parameters(client, {"payload_mass": mass})
+
+
+def change_parameters(client: DemoClient, values: Mapping[str, float | Sequence[float]]) -> None:
+    """Change parameters of the controller, all at once.
+
+    Raises
+    ------
+    DemoFailedError
+        The controller refuses one.
+    """
+    parameters = [
+        NodeParameter(name, value=value).to_parameter_msg() for name, value in values.items()
+    ]
+    result = client.ask(_SERVICE, SetParametersAtomically.Request(parameters=parameters)).result
     if not result.successful:
-        raise DemoFailedError(f"payload of {mass:g} kg: {result.reason}")
+        raise DemoFailedError(f"{', '.join(values)}: {result.reason}")
 
 
 class DemoArm:

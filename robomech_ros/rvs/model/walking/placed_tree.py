@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -54,10 +55,15 @@ def placed_tree(robot: RobotDescription, trunk: str, height: float) -> RobotDesc
     RobotDescriptionError
         A link or joint of the machine has the name of one of these joints, or of the ground.
     """
+    return extended_tree(robot, _parts(robot, trunk, height))
+
+
+def extended_tree(robot: RobotDescription, parts: Iterable[str]) -> RobotDescription:
+    """Add links and joints, as elements of a URDF, to the tree of a robot."""
     document = urdf_from_description(robot)
     data = document.encode()
     last = parse_xml(document, robot.where).last_byte
-    added = "\n".join(_parts(robot, trunk, height)).encode()
+    added = "\n".join(parts).encode()
     text = b"".join([data[:last], added, b"\n", data[last:]]).decode()
     return replace(description_from_urdf(text, robot.where), source=robot.source, home=robot.home)
 
@@ -84,8 +90,8 @@ def placing(base: Array, T: Array, height: float) -> dict[str, float]:
 def _parts(robot: RobotDescription, trunk: str, height: float) -> list[str]:
     """Write the joints that place the root, and their links."""
     # Links without bodies would get some along the way of their slides.
-    nothing = _visual("sphere", {"radius": 1e-4}, (0.0, 0.0, 0.0, 0.0))
-    disc = _visual("cylinder", {"radius": _DISC * height, "length": 1e-3}, _COLOUR)
+    nothing = visual("sphere", {"radius": 1e-4}, (0.0, 0.0, 0.0, 0.0))
+    disc = visual("cylinder", {"radius": _DISC * height, "length": 1e-3}, _COLOUR)
     parts, above = [element("link", {"name": GROUND}, [disc])], GROUND
     for name, slides, axis in (*_PLACE, *_BODY):
         link = f"{name}_link"
@@ -102,8 +108,9 @@ def _parts(robot: RobotDescription, trunk: str, height: float) -> list[str]:
     return parts
 
 
-def _visual(
+def visual(
     shape: str, measures: dict[str, object], colour: tuple[float, float, float, float]
 ) -> str:
+    """Write the visual element of a shape at the origin of its link."""
     material = element("material", {"name": ""}, [element("color", {"rgba": colour})])
     return element("visual", {}, [element("geometry", {}, [element(shape, measures)]), material])

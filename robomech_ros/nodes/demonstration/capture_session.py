@@ -1,0 +1,77 @@
+"""The demonstration of an arm in space: a body is captured, and the base reacts."""
+
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+
+from robomech_interfaces.srv import Execute, PlanCartesian, PlanJoint, SolveIK
+from robomech_ros.dynamics import FloatingChain
+from robomech_ros.errors import BadValueError
+from robomech_ros.nodes.demonstration.capture_task import CaptureTask
+from robomech_ros.nodes.demonstration.client import EXECUTE, running_client
+from robomech_ros.nodes.demonstration.limits import Which, chain_with_limits
+from robomech_ros.nodes.demonstration.pick_and_place import CARRYING, DemoArm
+from robomech_ros.nodes.demonstration.report import Reporter, write_motion_page
+from robomech_ros.nodes.demonstration.session import plot_recording
+from robomech_ros.nodes.process.launch_options import LaunchOptions
+from robomech_ros.robots import load_description
+from robomech_ros.rvs import Choice, Motion
+from robomech_ros.rvs.model.floating_tree import CAPTURED, CRAFT, floating_tree, free_joints
+
+_SERVICES = {
+    "kinematics/solve_ik": SolveIK,
+    "trajectory_planner/plan_cartesian": PlanCartesian,
+    "trajectory_planner/plan_joint": PlanJoint,
+    EXECUTE: Execute,
+    **CARRYING,
+}
+
+
+def demonstrate_capture(which: Which, output: Path) -> None:
+    """Capture a free body with an arm on a floating base, and prove it.
+
+    Parameters
+    ----------
+    which : Which
+        The robot, and what of it moves.
+    output : Path
+        Folder for the plot and the page.
+
+    Raises
+    ------
+    RobomechError
+        A step or a proof failed; the text has the reason.
+    """
+    reporter = Reporter()
+    chain, base = (
+        chain_with_limits(which, reporter.say),
+        load_description(which.robot).floating_base,
+    )
+    if base is None:
+        raise BadValueError("--robot", which.robot, "a robot with a floating base")
+    arm, robot = DemoArm(chain), FloatingChain(chain, base)
+    reporter.heading(f"{arm.title}, on a floating base of {base.mass:g} kg")
+    commands = LaunchOptions(**asdict(which), servo=False).commands()
+    with running_client(commands, arm.joint_names, arm.units) as (suite, client):
+        task = CaptureTask(client, robot, reporter)
+        client.wait_until_up(_SERVICES)
+        reporter.up(suite)
+        task.run()
+        recording = client.recording()
+        reporter.heading("summary")
+        task.prove()
+    plot = plot_recording(arm, task.marks, recording, output, "a capture in space")
+    description = load_description(which.robot)
+    tree = floating_tree(description, base, task.captured)
+    states = task.states()
+    columns = free_joints(CRAFT, states.poses) | free_joints(CAPTURED, task.body_poses(states))
+    columns |= dict(zip(chain.joint_names, states.q.T, strict=True))
+    at_rest = description.joint_positions()
+    q = np.column_stack(
+        [columns.get(name, np.full(len(states.t), at_rest.get(name))) for name in tree.joint_names]
+    )
+    choices = tuple(Choice(time, name, "", ()) for time, name in task.marks)
+    motion = Motion(tree, states.t, q, choices)
+    page = write_motion_page(output, chain.name, "a capture in space", tree, motion, chain.tip)
+    reporter.finish(f"plot: {plot}", page)
