@@ -148,6 +148,10 @@ class FloatingDynamics(ChainDynamics):
         chain = with_payload(self.chain, payload)
         return FloatingDynamics(FloatingChain(chain, self.robot.base), self.momentum)
 
+    def without_momentum(self) -> FloatingDynamics:
+        """Return the same system at zero momentum."""
+        return FloatingDynamics(self.robot)
+
     def _rates(self, q: Array, qd: Array) -> Array:
         return self.robot.rates(q, qd, self.momentum)
 

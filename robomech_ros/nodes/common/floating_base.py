@@ -9,9 +9,10 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.common.error_codes import OutcomeError
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.common.robot_description import RobotModel, RobotSettings
-from robomech_ros.nodes.display.robot_display import ALWAYS, AUTO, NEVER
 from robomech_ros.outcomes import Code
 from robomech_ros.robots import Body, SerialChain
+
+AUTO, ALWAYS, NEVER = "auto", "always", "never"
 
 
 @dataclass(frozen=True)

@@ -44,10 +44,8 @@ def demonstrate_capture(which: Which, output: Path) -> None:
         A step or a proof failed; the text has the reason.
     """
     reporter = Reporter()
-    chain, base = (
-        chain_with_limits(which, reporter.say),
-        load_description(which.robot).floating_base,
-    )
+    chain, description = chain_with_limits(which, reporter.say), load_description(which.robot)
+    base = description.floating_base
     if base is None:
         raise BadValueError("--robot", which.robot, "a robot with a floating base")
     arm, robot = DemoArm(chain), FloatingChain(chain, base)
@@ -62,14 +60,16 @@ def demonstrate_capture(which: Which, output: Path) -> None:
         reporter.heading("summary")
         task.prove()
     plot = plot_recording(arm, task.marks, recording, output, "a capture in space")
-    description = load_description(which.robot)
     tree = floating_tree(description, base, task.captured)
     states = task.states()
     columns = free_joints(CRAFT, states.poses) | free_joints(CAPTURED, task.body_poses(states))
     columns |= dict(zip(chain.joint_names, states.q.T, strict=True))
     at_rest = description.joint_positions()
     q = np.column_stack(
-        [columns.get(name, np.full(len(states.t), at_rest.get(name))) for name in tree.joint_names]
+        [
+            columns.get(name, np.full(len(states.t), at_rest.get(name, 0.0)))
+            for name in tree.joint_names
+        ]
     )
     choices = tuple(Choice(time, name, "", ()) for time, name in task.marks)
     motion = Motion(tree, states.t, q, choices)

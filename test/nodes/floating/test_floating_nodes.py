@@ -206,6 +206,7 @@ def test_efforts_are_those_of_the_free_flyer(graph, flyer):
     back = graph.ask(InverseDynamics, "dynamics/inverse_dynamics", points=[point])
     np.testing.assert_allclose(back.effort, tau, atol=1e-9)
     np.testing.assert_allclose(back.gravity, np.zeros(7), atol=1e-9)
+    np.testing.assert_allclose(np.add(back.coriolis, back.inertial), tau, atol=1e-9)
     M = graph.ask(MassMatrix, "dynamics/mass_matrix", state=JointState(position=q.tolist()))
     inverse = np.linalg.inv(pinocchio.computeMinverse(model, data, at)[6:, 6:])
     full = np.triu(inverse) + np.triu(inverse, 1).T
