@@ -65,12 +65,8 @@ def demonstrate_capture(which: Which, output: Path) -> None:
     columns = free_joints(CRAFT, states.poses) | free_joints(CAPTURED, task.body_poses(states))
     columns |= dict(zip(chain.joint_names, states.q.T, strict=True))
     at_rest = description.joint_positions()
-    q = np.column_stack(
-        [
-            columns.get(name, np.full(len(states.t), at_rest.get(name, 0.0)))
-            for name in tree.joint_names
-        ]
-    )
+    rows = [columns.get(name, at_rest.get(name, 0.0) + 0.0 * states.t) for name in tree.joint_names]
+    q = np.column_stack(rows)
     choices = tuple(Choice(time, name, "", ()) for time, name in task.marks)
     motion = Motion(tree, states.t, q, choices)
     page = write_motion_page(output, chain.name, "a capture in space", tree, motion, chain.tip)

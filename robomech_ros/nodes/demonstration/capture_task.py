@@ -18,7 +18,7 @@ from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.demonstration.suite import DemoFailedError
 from robomech_ros.robots import Body
 from robomech_ros.spatial import pose_error, rotation_vector_from_matrix
-from robomech_ros.typing import Array
+from robomech_ros.typing import Array, BoolArray
 
 _INERTIAL = "odom"
 # The approach in the axes of the tip, in parts of the size of the arm.
@@ -136,7 +136,7 @@ class CaptureTask:
             A check fails.
         """
         states, say = self.states(), self._reporter
-        body = Body(self.captured.mass, [0.0, 0.0, 0.5 * self._side], np.zeros((3, 3)))
+        body = Body(self.captured.mass, np.array([0.0, 0.0, 0.5 * self._side]), np.zeros((3, 3)))
         loaded = FloatingChain(with_payload(self._robot.chain, body), self._robot.base)
         before = states.t < self._before
         after = states.t > self._after
@@ -212,7 +212,9 @@ class CaptureTask:
         linear = self.captured.mass * self._velocity
         return np.concatenate((np.cross(own - centre, linear), linear))
 
-    def _momenta(self, robot: FloatingChain, states: States, rows: Array) -> tuple[Array, Array]:
+    def _momenta(
+        self, robot: FloatingChain, states: States, rows: BoolArray
+    ) -> tuple[Array, Array]:
         """Return momenta (m, 6) in the inertial axes, and those of links on a base at rest."""
         found: list[list[Array]] = [[], []]
         chosen = zip(*(part[rows] for part in states[1:]), strict=True)

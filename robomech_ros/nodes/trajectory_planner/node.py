@@ -71,7 +71,7 @@ class TrajectoryPlannerNode(Node):
     def _serve(self, model: RobotModel) -> None:
         self._joints = JointPositions(model, self._monitor)
         self._motions = _motions_of(model, self._joints)
-        self._floating = FloatingRobot(model, self._table.settings)
+        self._model, self._floating = model, FloatingRobot(model, self._table.settings)
         self._limits = self._motions.limits
         self._frames = RobotFrames(self, model, self._monitor, lambda: self._table.settings)
         self._points = TrajectoryPoints()
@@ -155,7 +155,7 @@ class TrajectoryPlannerNode(Node):
         plan = partial(self._motions.along, path, start, kept, options)
         frames = [one.header.frame_id for one in request.waypoints]
         if self._floating.floats and self._are_apart(frames):
-            robot = self._floating.carrying(self._motions.way)
+            robot = self._floating.carrying(self._model.chain)
             plan = partial(plan_inertial, robot, path, start, kept=kept, **options)
         found = await self._planned(plan, beside=True)
         self._plans.publish_waiting()

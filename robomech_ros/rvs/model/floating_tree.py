@@ -41,7 +41,7 @@ def floating_tree(robot: RobotDescription, base: Body, captured: Body) -> RobotD
     RobotDescriptionError
         A link or joint of the robot has the name of an added one.
     """
-    parts = [element("link", {"name": GROUND})]
+    parts = [element("link", {"name": GROUND}, [_nothing()])]
     parts += _free(CRAFT, base, robot.root)
     parts += _free(CAPTURED, captured)
     return extended_tree(robot, parts)
@@ -54,14 +54,17 @@ def free_joints(name: str, poses: Array) -> dict[str, Array]:
     return {f"{name}_{axis}": row for (axis, *_), row in zip(_PLACE, columns, strict=True)}
 
 
+def _nothing() -> str:
+    """Write a visual that nobody sees: links without one get bodies as long as their slides."""
+    return visual("sphere", {"radius": 1e-4}, (0.0, 0.0, 0.0, 0.0))
+
+
 def _free(name: str, body: Body, carried: str = "") -> list[str]:
     """Write the joints that place a body, its box, and a link that it carries."""
     parts, above = [], GROUND
-    # Links without bodies would get some along the way of their slides.
-    nothing = visual("sphere", {"radius": 1e-4}, (0.0, 0.0, 0.0, 0.0))
     for axis, slides, direction in _PLACE:
         link = f"{name}_{axis}_link"
-        parts.append(element("link", {"name": link}, [nothing]))
+        parts.append(element("link", {"name": link}, [_nothing()]))
         joint = Joint(f"{name}_{axis}", "continuous", above, link, np.eye(4), direction)
         if slides:
             joint = replace(joint, type="prismatic", lower=-_FAR, upper=_FAR)
