@@ -3,8 +3,10 @@
 import ast
 import re
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
+import yaml
 
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.robots import list_robots, load_robot
@@ -130,3 +132,28 @@ def test_every_module_that_is_named_is_there(page):
     modules = [path.relative_to(ROOT).as_posix() for path in ROOT.glob("*/**/*.py")]
     for named in re.findall(r"`([\w/]+\.py)`", text):
         assert any(f"/{module}".endswith(f"/{named}") for module in modules), named
+
+
+def test_the_citation_names_what_the_package_names():
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    package = ElementTree.parse(ROOT / "package.xml").getroot()
+    assert citation["cff-version"] == "1.2.0"
+    assert citation["message"]
+    assert citation["authors"] == [{"name": author.text} for author in package.iter("author")]
+    assert citation["title"].startswith(package.findtext("name") + ":")
+    assert citation["version"] == package.findtext("version")
+    assert citation["license"] == package.findtext("license")
+    assert citation["url"] == package.findtext("url")
+    bibtex = blocks(DOC / "citing.md", "text")[0]
+    assert f"version = {{{citation['version']}}}" in bibtex
+
+
+def test_the_image_has_what_the_set_up_asks_for():
+    image = (ROOT / "Dockerfile").read_text(encoding="utf-8")
+    asked = (ROOT / "tools" / "find_python.sh").read_text(encoding="utf-8")
+    packages = re.findall(r"apt-get install ([^\"\n]+)", asked)[0].split()
+    installed = re.findall(r"apt-get install .*", image)[0].split()
+    assert {*packages, "g++", "make"} <= {*installed}
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for target in re.findall(r'make"?,? "?(\w+)', image.split("WORKDIR")[1]):
+        assert f"\n{target}:" in makefile, target

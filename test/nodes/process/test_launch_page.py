@@ -1,4 +1,4 @@
-"""The launch files in doc/launch.md name executables, nodes and parameters that exist."""
+"""Launch files and commands of the pages name executables, nodes and parameters that exist."""
 
 import ast
 import re
@@ -52,3 +52,23 @@ def test_nodes_and_parameters_exist():
         known = {field.name: field.type for field in fields(table)}
         assert known.keys() >= {*shared, *own}
         assert table_rows(table)
+
+
+def test_parameters_in_commands_of_the_pages_exist():
+    commands = [
+        (page.name, *found)
+        for page in [ROOT / "README.md", *(ROOT / "doc").glob("*.md")]
+        for found in re.findall(
+            r"^(?:ros2 run robomech_ros )?(\w+)_node (.*(?:\\\n.*)*)", page.read_text("utf-8"), re.M
+        )
+    ]
+    named = [
+        (page, node, name)
+        for page, node, arguments in commands
+        for name in re.findall(r"-p (\w+):=", arguments)
+    ]
+    assert {page for page, *_ in named} >= {"README.md", "real_robot.md", "servo.md"}
+    for page, executable, name in named:
+        node = executable.replace("joint_state_simulator", "joint_trajectory_controller")
+        known = {field.name for field in fields(settings_of(node))}
+        assert name in known, f"{page}: {node} has no parameter {name}"
