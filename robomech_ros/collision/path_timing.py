@@ -129,7 +129,7 @@ def timed_path(
         parts = [sampled(part) for part in _stretched(parts, seconds, tight)]
     if not (is_proved or scene.check_motion(parts[-1].waypoints, clearance=clearance).certified):
         raise NotFreeError("the samples of the path come nearer than the path; take more")
-    return _joined(*parts, tight) if left else parts[0]
+    return _joined(parts[0], parts[1], tight) if left else parts[0]
 
 
 def _proved(

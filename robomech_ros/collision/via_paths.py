@@ -54,7 +54,8 @@ def path_through(
     if given.ndim != 2 or len(given) < 2:
         raise BadValueError("points", given.shape, f"at least two, (m, {scene.chain.n})")
     request = PlanRequest(timeout, seed, checked_clearance(clearance), planner, keep_turns=True)
-    begin, whole, certified, notes = time.monotonic(), given[:1], True, []
+    notes: list[str] = []
+    begin, whole, certified = time.monotonic(), given[:1], True
     for k, (a, b) in enumerate(pairwise(given), start=1):
         piece = plan_path(scene, a, b, request)
         spent = time.monotonic() - begin

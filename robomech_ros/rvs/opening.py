@@ -18,7 +18,7 @@ from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.serving.address import HOST, PORT
 
 if TYPE_CHECKING:
-    from robomech_ros.collision import PlanningScene
+    from robomech_ros.collision import PlanningScene, SceneObject
     from robomech_ros.parallel import Mechanism, ParallelRobot
     from robomech_ros.rvs.model.draggable import DraggableRobot
     from robomech_ros.rvs.model.live_robot import LiveMobileRobot, LiveRobot
@@ -267,6 +267,7 @@ def write_motion(
     *,
     title: str = "",
     trail: str = "",
+    scene: PlanningScene | None = None,
 ) -> Path:
     """Write a motion as a page that plays it, in one file that needs nothing else.
 
@@ -283,6 +284,8 @@ def write_motion(
         Above the page; default the name of the robot.
     trail : str, optional
         Link whose way is drawn; empty for none.
+    scene : PlanningScene, optional
+        Its objects are drawn where they are; links carry the attached ones.
 
     Returns
     -------
@@ -295,13 +298,19 @@ def write_motion(
         viser is not installed.
     UnknownLinkError, RobotDescriptionError
         The link of the trail is none of the robot, or no chain leads to it.
+    BadValueError
+        The scene has another base than the motion, or what moves is no arm.
     OSError
         The file cannot be written.
     """
     require_viser()
     from robomech_ros.rvs.page.recording import motion_page
 
-    page = motion_page(description, motion, title or description.name, trail=trail)
+    objects: Mapping[str, SceneObject] = {} if scene is None else scene.objects
+    if scene is not None and scene.chain.base != motion.arm.base:
+        expected = f"'{motion.arm.base}', the base of the motion"
+        raise BadValueError("base of the scene", scene.chain.base, expected)
+    page = motion_page(description, motion, title or description.name, trail=trail, objects=objects)
     Path(path).write_text(page, encoding="utf-8")
     return Path(path)
 

@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 
+from robomech_ros.collision import Box, Mesh, PlanningScene
 from robomech_ros.errors import BadValueError, RobomechError, UnknownLinkError
 from robomech_ros.robots import load_description
 from robomech_ros.rolling import load_rolling, rolling_description
@@ -19,6 +20,7 @@ from robomech_ros.rvs import (
     view,
     write_motion,
 )
+from robomech_ros.rvs.model.solids import box
 from robomech_ros.trajectory import interpolant
 
 ROBOT = load_description("ur5e")
@@ -77,6 +79,28 @@ def test_a_page_of_a_motion_names_the_postures_and_needs_nothing_else(tmp_path):
     assert 1_000 < len(scene) < 500_000 and path.stat().st_size < 1_500_000
     # No file and no script of elsewhere.
     assert not re.search(r"<(?:script|link|img|iframe)[^>]*(?:src|href)=[\"']?https?:", text)
+
+
+def test_a_page_of_a_motion_shows_the_objects_of_a_scene(tmp_path):
+    pytest.importorskip("viser")
+    scene, pose = PlanningScene(CHAIN), np.eye(4)
+    pose[:3, 3] = 0.65, 0.25, 0.3
+    scene.add("wall", Box(0.4, 0.02, 0.6), pose)
+    corners = np.array([[0.0, 0.0, 0.0], [0.11, 0.0, 0.0], [0.0, 0.12, 0.0], [0.0, 0.0, 0.13]])
+    faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    scene.add("part", Mesh(corners, faces))
+    scene.attach("part", "tool0")
+    plain, filled = (
+        page_of(write_motion(tmp_path / f"{k}.html", ROBOT, motion(), scene=given))[1]
+        for k, given in enumerate((None, scene))
+    )
+    assert b"/object_" not in plain
+    wall = box(0.4, 0.02, 0.6).vertices.astype(np.float32)
+    for name, vertices in ((b"/base/object_1", wall), (b"tool0/object_2", corners)):
+        assert name in filled and np.float32(vertices).tobytes() in filled
+    other = PlanningScene(ROBOT, base="shoulder_link")
+    with pytest.raises(BadValueError, match="'base_link', the base of the motion"):
+        write_motion(tmp_path / "other.html", ROBOT, motion(), scene=other)
 
 
 def test_a_motion_in_a_folder_that_is_not_there_is_told(tmp_path):

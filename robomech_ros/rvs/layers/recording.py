@@ -97,13 +97,15 @@ class RecordingLayer(Layer):
 
     def download(self, client: Any) -> None:
         """Send the plan that is shown to a browser, as a page in a file."""
-        motion, name = self._place.plan.motion, self._place.chain.name
+        place = self._place
+        motion, name, world = place.plan.motion, place.chain.name, place.arm.world
         if motion is None:
             raise BadValueError("plan", "none", "a plan or a recording to be saved")
-        title = f"{name}: {self._place.plan.name}"
+        title = f"{name}: {place.plan.name}"
+        objects = world.objects if world is not None and place.switched()["objects"] else {}
 
         def write() -> None:
-            page = motion_page(self._place.description, motion, title)
+            page = motion_page(place.description, motion, title, objects=objects)
             client.send_file_download(f"{name}.html", page.encode(), save_immediately=True)
 
         self._worker.submit("download", write)

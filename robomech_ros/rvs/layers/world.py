@@ -230,9 +230,7 @@ class WorldLayer(Layer):
 
     def _extent(self) -> Array:
         """Return points (k, 3) in the root around the objects (m)."""
-        arm, points = self._place.arm, [np.empty((0, 3))]
-        poses = self._place.seen.tree.link_poses(arm.positions)
-        for link, corners in self._nodes[0].corners().items() if self._nodes else ():
-            T = poses[link or arm.base]
-            points.append(corners @ T[:3, :3].T + T[:3, 3])
-        return np.vstack(points)
+        arm = self._place.arm
+        if self._nodes is None:
+            return np.empty((0, 3))
+        return self._nodes[0].corners(self._place.seen.tree.link_poses(arm.positions), arm.base)

@@ -46,7 +46,7 @@ class ObjectNodes:
         Gives the name of the node of a link.
     reach : float
         Reach of the robot (m).
-    clicked : callable
+    clicked : callable, optional
         Called with the browser (viser.ClientHandle) and the name of an object that it clicks on.
     """
 
@@ -56,7 +56,7 @@ class ObjectNodes:
         base: str,
         path_of: Callable[[str], str],
         reach: float,
-        clicked: Callable[[Any, str], None],
+        clicked: Callable[[Any, str], None] | None = None,
     ) -> None:
         self._scene, self._base, self._path_of = scene, base, path_of
         self._side, self._clicked = SIDE * reach, clicked
@@ -76,15 +76,21 @@ class ObjectNodes:
         drawn = self._drawn.get(one.name)
         return middle_of(parts_of(one, self._side) if drawn is None else drawn.parts)
 
-    def corners(self) -> Mapping[str, Array]:
-        """Return the vertices (k, 3) of all finite shapes (m) by link; "" is the base."""
-        found: dict[str, list[Array]] = {}
+    def corners(self, poses: Mapping[str, Array], base: str) -> Array:
+        """Return the vertices (k, 3) of all finite shapes in the root (m).
+
+        Parameters
+        ----------
+        poses : mapping of str to ndarray
+            Poses (4, 4) of the links in the root (m).
+        base : str
+            The base of the arm.
+        """
+        points = [np.empty((0, 3))]
         for drawn in self._drawn.values():
-            for part in drawn.parts:
-                if not part.endless:
-                    corners = part.corners(drawn.one.pose)
-                    found.setdefault(drawn.one.link, []).append(corners)
-        return {link: np.vstack(points) for link, points in found.items()}
+            T = poses[drawn.one.link or base] @ drawn.one.pose
+            points += [part.corners(T) for part in drawn.parts if not part.endless]
+        return np.vstack(points)
 
     def _updated(self, one: SceneObject, marked: bool) -> _DrawnObject:
         before = self._drawn.get(one.name)
@@ -121,9 +127,13 @@ class ObjectNodes:
         return _DrawnObject(one, parts, frame, bodies, marked)
 
     def _listen(self, node: Any, name: str) -> None:
+        clicked = self._clicked
+        if clicked is None:
+            return
+
         @node.on_click
         async def _(event: Any) -> None:
-            self._clicked(event.client, name)
+            clicked(event.client, name)
 
 
 def _colour(one: SceneObject, marked: bool) -> tuple[int, int, int]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,6 +42,7 @@ _SWATCH = (
 )
 
 if TYPE_CHECKING:
+    from robomech_ros.collision import SceneObject
     from robomech_ros.parallel import Mechanism
 
 
@@ -52,6 +54,7 @@ def motion_page(
     markers: Sequence[ViewMarker] = (),
     notes: Sequence[str] = (),
     trail: str = "",
+    objects: Mapping[str, SceneObject] = MappingProxyType({}),
 ) -> str:
     """Return the page that plays a motion, as HTML.
 
@@ -65,11 +68,13 @@ def motion_page(
         Written under the title.
     trail : str, optional
         As for ``write_motion``.
+    objects : mapping of str to SceneObject, optional
+        Of a planning scene with the base of the motion.
     """
     seen = load_visual_model(description)
     server = guarded_server("127.0.0.1", 0, title)
     try:
-        page = _recorded(server.viser, seen, motion, markers, trail)
+        page = _recorded(server.viser, seen, motion, markers, trail, objects)
     finally:
         server.close()
     head = f"<title>{html.escape(title)}</title>"
@@ -79,7 +84,12 @@ def motion_page(
 
 
 def _recorded(
-    server: Any, seen: VisualModel, motion: Motion, markers: Sequence[ViewMarker], trail: str
+    server: Any,
+    seen: VisualModel,
+    motion: Motion,
+    markers: Sequence[ViewMarker],
+    trail: str,
+    objects: Mapping[str, SceneObject],
 ) -> str:
     chain = motion.chain
     times, q = motion.sampled(RATE)
@@ -97,8 +107,15 @@ def _recorded(
         return dict(zip(chain.joint_names, posture.tolist(), strict=True))
 
     at_first, postures = named(q[0]), map(named, (*q[::EVERY], q[-1], *not_taken))
-    robot_points = visible_points(seen, postures)
-    place_camera(server, np.vstack([robot_points, marker_points(seen, markers, at_first)]))
+    points = [visible_points(seen, postures), marker_points(seen, markers, at_first)]
+    if objects:
+        # Without objects the collision library is not loaded.
+        from robomech_ros.rvs.page.object_nodes import ObjectNodes
+
+        nodes = ObjectNodes(server.scene, BASE, robot.path, seen.reach)
+        nodes.show(objects, ())
+        points.append(nodes.corners(seen.tree.link_poses(at_first), base))
+    place_camera(server, np.vstack(points))
     MarkerNodes(server.scene, robot.path).show("markers", markers)
     robot.move(at_first)
     recording = server.get_scene_serializer()

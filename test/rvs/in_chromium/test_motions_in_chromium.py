@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from browsing import IN_CHROMIUM, browser
 from raw_client import wait_until
+from world_cases import SCENE
 
 from robomech_ros.rvs import Motion, view
 from robomech_ros.rvs.layers.motions import MotionLayer
@@ -28,9 +29,9 @@ ELSEWHERE = (
 
 @pytest.fixture(scope="module")
 def shown():
-    """A page of a UR5e with a plan, and a browser that shows it."""
+    """A page of a UR5e among objects with a plan, and a browser that shows it."""
     downloads = TemporaryDirectory(prefix="robomech-downloads-", ignore_cleanup_errors=True)
-    with view("ur5e", port=0) as page, downloads as folder, browser(page.url) as tab:
+    with view("ur5e", port=0, scene=SCENE) as page, downloads as folder, browser(page.url) as tab:
         tab.send("Browser.setDownloadBehavior", behavior="allow", downloadPath=folder)
         tab.wait_for("document.querySelector('[data-postures]')")
         arm = page._arm.chain
@@ -138,6 +139,9 @@ def test_a_plan_and_a_picture_are_saved_and_the_plan_plays_from_its_file(shown):
         turned = f"Math.round(1e4 * {pan}.quaternion.w)"
         first = other.value(turned)
         other.wait_for(f"{turned} !== {first}")
+        # The objects of the page are there, those that a link carries too.
+        objects = "Object.keys(__viserMutable.nodeRefFromName).filter(n => /object_\\d$/.test(n))"
+        assert len(other.value(objects)) == len(SCENE["world"]["collision_objects"]) + 1
 
 
 def test_the_address_brings_the_view_back(shown):
