@@ -35,6 +35,7 @@ from robomech_ros.nodes.joint_trajectory_controller.floating_robot import BasePu
 from robomech_ros.nodes.joint_trajectory_controller.goal_server import ExecuteMessages, GoalServer
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper, gripper_of
 from robomech_ros.nodes.joint_trajectory_controller.gripper.interfaces import serve_gripper
+from robomech_ros.nodes.joint_trajectory_controller.reported_efforts import ReportedEfforts
 from robomech_ros.nodes.joint_trajectory_controller.robot import (
     SimulatedRobot,
     legged_robot,
@@ -144,6 +145,11 @@ class JointTrajectoryControllerNode(Node):
         )
         if isinstance(robot, FloatingArm):
             self._control_cycle.also_publish(BasePublisher(self, robot, model, settings).publish)
+        if model.legged is not None and settings.walk_efforts_topic:
+            states = self._control_cycle.states
+            states.reported = ReportedEfforts(
+                self, settings.walk_efforts_topic, states.names, robot.lock
+            )
         TrajectoryTopic(self, robot, report.publish)
         Commands(self, commanded, self._control_cycle.publish_joint_states)
         self._cycles = Cycles(self, clock, settings.publish_rate, self._control_cycle.run)

@@ -66,6 +66,10 @@ class ControllerSettings(FloatingSettings, GripperNames):
     state_publish_rate: float = parameter(
         50.0, "Rate of controller_state; at most publish_rate", (0.1, 1000.0, "Hz")
     )
+    walk_efforts_topic: str = parameter(
+        "walker/joint_efforts",
+        "Walking machines: topic of the joint torques that joint_states shows; empty = none",
+    )
     initial_positions: tuple[float, ...] = parameter(
         (),
         "Joint positions at startup and after a reset, base to tip, rad or m; for a parallel "

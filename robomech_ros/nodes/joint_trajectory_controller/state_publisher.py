@@ -9,6 +9,7 @@ from sensor_msgs.msg import JointState
 from robomech_ros.nodes.common.message_fields import floats
 from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
+from robomech_ros.nodes.joint_trajectory_controller.reported_efforts import ReportedEfforts
 
 # Reliable; what is older than the last ten states is of no interest to anybody.
 _DEPTH = 10
@@ -19,7 +20,8 @@ class StatePublisher:
 
     The passive joints of a parallel robot move as its loops have them.  Joints that mimic others
     follow them; those that nothing commands stand still at home, else at 0 or at the limit nearest
-    to it.  Efforts that are not known are NaN.
+    to it.  Efforts of drives that are not known are NaN; those that another node reports are there
+    for all joints, or for none.
 
     Parameters
     ----------
@@ -28,10 +30,16 @@ class StatePublisher:
         The robot and its chain.
     commanded : sequence of CommandedJoints
         What moves: the joints of the chain, and those of a gripper.
+
+    Attributes
+    ----------
+    reported : ReportedEfforts or None
+        Efforts of the joints in the order of ``names``, if another node reports them.
     """
 
     def __init__(self, node: Node, model: RobotModel, commanded: Sequence[CommandedJoints]) -> None:
         description = model.description
+        self.reported: ReportedEfforts | None = None
         names = list(dict.fromkeys((*commanded[0].shown_names, *model.joint_names)))
         at_rest = description.joint_positions(description.home)
         self._commanded = [
@@ -59,6 +67,11 @@ class StatePublisher:
         self._publisher = node.create_publisher(JointState, "joint_states", _DEPTH)
 
     @property
+    def names(self) -> Sequence[str]:
+        """Names of all joints, in the order of their states."""
+        return list(self._message.name)
+
+    @property
     def positions(self) -> dict[str, float]:
         """Position (rad or m) of every joint, as published last."""
         return dict(zip(self._message.name, self._message.position, strict=True))
@@ -80,6 +93,8 @@ class StatePublisher:
         if len(self._following):
             position[self._following] = self._multiplier * position[self._leading] + self._offset
             velocity[self._following] = self._multiplier * velocity[self._leading]
+        if self.reported is not None:
+            self._message.effort = self.reported.at(stamp)
         when = self._message.header.stamp
         when.sec, when.nanosec = stamp
         self._publisher.publish(self._message)

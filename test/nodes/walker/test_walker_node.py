@@ -2,7 +2,9 @@
 
 import itertools
 import math
+import re
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -31,6 +33,7 @@ ROBOTS = {
     "trot": "go1",
 }
 BOUNDS = {"trot": -0.04}
+ROBOT_FILES = Path(__file__).parents[3] / "config" / "robots" / "walking"
 CONTROLLER = "joint_trajectory_controller/joint_trajectory"
 
 
@@ -162,6 +165,41 @@ def test_forces_at_the_feet_carry_the_weight_and_torques_exert_them(graph):
     efforts = graph.receive(JointState, "walker/joint_efforts", 20, lambda m: True)
     assert efforts.name == list(robot.joint_names)
     assert 0.05 < np.abs(efforts.effort).max() < 1.5
+    published = set()
+    graph.client.create_subscription(
+        JointState, "walker/joint_efforts", lambda m: published.add(tuple(m.effort)), 100
+    )
+
+    def shown(message):
+        assert len(message.effort) in (0, robot.n)
+        return message.name == efforts.name and tuple(message.effort) in published
+
+    graph.receive(JointState, "joint_states", 20, shown)
+
+
+def test_joint_states_have_no_efforts_without_masses_or_without_a_number_for_each_joint(graph):
+    heard, robot = Listener(graph), load_legged("phantomx")
+    document = (ROBOT_FILES / "phantomx.yaml").read_text(encoding="utf-8")
+    start(graph, re.sub(r",\s*body: .*}(?=})|trunk_body: .*", "", document))
+    driver = Driver(graph, "cmd_vel", old=0)
+    driver.command(0.015, 0.004, 0.03)
+    graph.receive(Odometry, "odom", 20, lambda m: m.pose.pose.position.x > 0.005)
+    assert heard.states and not any(len(one.effort) for one in [*heard.states])
+    publisher = graph.client.create_publisher(JointState, "walker/joint_efforts", 10)
+
+    def send(efforts):
+        message = JointState(name=list(robot.joint_names), effort=efforts)
+        message.header.stamp = graph.client.get_clock().now().to_msg()
+        publisher.publish(message)
+
+    timer = graph.client.create_timer(0.05, lambda: send([math.nan] + [1.0] * (robot.n - 1)))
+    ignored = f"ignored: none, or not a finite one, of joint '{robot.joint_names[0]}'"
+    graph.receive(Log, "/rosout", 20, lambda m: ignored in m.msg)
+    assert not any(len(one.effort) for one in [*heard.states])
+    graph.client.destroy_timer(timer)
+    send([*map(float, range(robot.n))])
+    graph.receive(JointState, "joint_states", 5, lambda m: [*m.effort] == [*range(robot.n)])
+    graph.receive(JointState, "joint_states", 5, lambda m: not len(m.effort))
 
 
 def test_body_poses_move_the_trunk_over_planted_feet_or_are_refused_by_leg_and_joint(graph):
