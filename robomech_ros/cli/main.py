@@ -20,6 +20,7 @@ COMMANDS = {
     "map": (_HERE, "map which orientations an arm reaches at each point, and how well"),
     "plot-map": (_HERE, "draw slices through a map"),
     "plot-workspace": (_HERE, "draw the workspace of an arm: boundaries and posture counts"),
+    "plot-simulation": (_HERE, "draw a simulated motion of an arm: joints, energy, drive torques"),
     "symbolic": (_HERE, "print closed forms of a robot's kinematics and dynamics"),
     "export-urdf": (_HERE, "write a URDF of a robot with all parts visible"),
     "groups": (_HERE, "list a robot's joint groups and named postures from an SRDF"),

@@ -68,7 +68,7 @@ def plot_motion(
     figure = new_figure(_WIDTH, _REST + _HEIGHT * len(curves))
     axes = np.atleast_1d(figure.subplots(len(curves), 1, sharex=True))
     for i, (ax, curve) in enumerate(zip(axes, curves, strict=True)):
-        _draw_curves(ax, joint_names, times, curve, slides, limits[i] if limits else ())
+        draw_curves(ax, joint_names, times, curve, slides, limits[i] if limits else ())
         units = " or ".join(_UNITS[kind][i] for kind in sorted(set(slides)))
         ax.set_ylabel(f"{_LABELS[i]} ({units})")
     _draw_marks(axes, marks)
@@ -78,7 +78,7 @@ def plot_motion(
     return save(figure, path, title=title)
 
 
-def _draw_curves(
+def draw_curves(
     ax: Any,
     joint_names: Sequence[str],
     times: Array,
