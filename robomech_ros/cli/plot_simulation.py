@@ -73,8 +73,9 @@ def run(args: argparse.Namespace) -> int:
     title = chain.name if args.title is None else args.title
     path = plot_simulation(args.output, chain, found, torques, title=title)
     print(
-        f"{path}: {found.t[-1]:.4g} s, {found.reason}; largest torque {np.abs(torques).max():.4g}; "
-        f"work {found.work[-1]:.4g} J, heat {found.heat[-1]:.4g} J, energy kept to {found.drift:.2g} J"
+        f"{path}: {found.t[-1]:.4g} s, {found.reason}; "
+        f"largest torque {np.abs(torques).max():.4g}; work {found.work[-1]:.4g} J, "
+        f"heat {found.heat[-1]:.4g} J, energy kept to {found.drift:.2g} J"
     )
     return 0
 

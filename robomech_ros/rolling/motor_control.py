@@ -22,7 +22,7 @@ _REST, _SLOW = 1e-9, 1e-3
 # A direction that limits of steering change by more than this part is beyond them.
 _AT_LIMIT = 1e-12
 # Wheels this near to their angles (rad) let the base start.
-_ALIGNED = 0.01
+_ALIGNED = 1e-3
 
 
 class DrivenBase(NamedTuple):
@@ -160,7 +160,7 @@ class MotorControl:
 
 
 def _turn(goal: Array) -> Array:
-    """Return the angle (m - 1,) from the present direction of a base to a goal (m,), on either side."""
+    """Return the angle (m - 1,) from the present direction of a base to that of a goal (m,)."""
     across = float(np.linalg.norm(goal[1:]))
     if across == 0.0:
         return np.zeros(len(goal) - 1)

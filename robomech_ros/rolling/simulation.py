@@ -15,8 +15,8 @@ from robomech_ros.rolling.steering_motion import SteeringMotion
 from robomech_ros.spatial.arrays import check_kind
 from robomech_ros.typing import Array, ArrayLike
 
-# From the time (s), the twist (3,) and the brackets' angles (c,), of a base with steered wheels also
-# its SteeringMotion, to torques (k + s,) (N m).
+# From the time (s), the twist (3,) and the brackets' angles (c,), and the SteeringMotion of a base
+# with steered wheels, to torques (k + s,) (N m).
 Torques = Callable[..., ArrayLike]
 
 # Of the integrator, relative and absolute: the energy of ten seconds is kept to 1e-8.

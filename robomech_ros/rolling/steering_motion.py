@@ -2,8 +2,8 @@
 
 A base whose steered wheels leave one centre has the twist ``t = b eta`` with its size eta and a
 twist b of unit size.  With coordinates N of the twists that fixed wheels allow, ``b = N n`` for a
-unit vector n.  Steering turns it along P, ``dn/dt = P sigma``, with rates sigma as many as the degree
-of steerability.  A wheel with the rows c sideways and r forward keeps ``c b = 0``, so that
+unit vector n.  Steering turns it along P, ``dn/dt = P sigma``, with as many rates sigma as the
+degree of steerability.  A wheel with the rows c sideways and r forward keeps ``c b = 0``, so that
 its steering rate is ``c N P sigma / (r b)``.
 """
 
@@ -168,7 +168,7 @@ def _speeds(base: RollingBase, rolls: Array, twist: Array) -> Array:
 
 
 def _common_direction(rows: Array, angles: Array, strict: bool) -> Array:
-    """Return the unit vector (M,) that rows (s, M) of all steered wheels take to zero, or nearly so."""
+    """Return the unit vector (M,) that rows (s, M) of steered wheels take nearest to zero."""
     M = rows.shape[1]
     _, values, axes = np.linalg.svd(np.concatenate([rows, np.zeros((M, M))]))
     if values[M - 2] <= _SAME:

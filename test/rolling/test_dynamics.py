@@ -218,11 +218,12 @@ def test_torques_and_steering_of_a_motion(name):
         psi, step = rng.uniform(-3.0, 3.0, len(base.casters)), 1e-5
         steering = steering_along(base, twist, acceleration, jerk)
 
-        def later(h):
-            at = twist + h * acceleration + 0.5 * h * h * jerk
-            return steering_along(base, at, acceleration + h * jerk, near=steering.angles)  # noqa: B023
-
-        before, after = later(-step), later(step)
+        before, after = (
+            steering_along(
+                base, twist + h * acceleration, acceleration + h * jerk, near=steering.angles
+            )
+            for h in (-step, step)
+        )
         assert (after.angles - before.angles) / (2 * step) == pytest.approx(steering.rates, 1e-6)
         slope = (after.rates - before.rates) / (2.0 * step)
         assert slope == pytest.approx(steering.accelerations, rel=1e-6, abs=1e-6)
@@ -230,13 +231,11 @@ def test_torques_and_steering_of_a_motion(name):
         back = moving.forward(twist, torques, psi, steering=steering)
         assert back == pytest.approx(np.append(acceleration, steering.accelerations), abs=1e-9)
         turn = step * base.caster_rates(twist, psi)
+        ends = zip((-step, step), (before, after), strict=True)
         gain = [
-            moving.kinetic_energy(
-                base.feasible(twist + h * acceleration + 0.5 * h * h * jerk), psi + h / step * turn,
-                steering=later(h),
-            )
-            for h in (-step, step)
-        ]  # fmt: skip
+            moving.kinetic_energy(twist + h * acceleration, psi + h / step * turn, steering=steered)
+            for h, steered in ends
+        ]
         driven = [wheel.driven for wheel in base.wheels]
         rolling = base.rolling_rates(twist, steering.angles, psi)[driven]
         power = torques @ np.append(rolling, steering.rates)

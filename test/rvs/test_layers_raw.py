@@ -12,6 +12,7 @@ from raw_client import PATIENCE, inside_limits, send_value, slider, wait_until
 
 from robomech_ros.robots import load_description
 from robomech_ros.rvs.model.dh_editing import table_of
+from robomech_ros.rvs.model.dh_frames import dh_frames
 
 
 def control(page, label):
@@ -67,6 +68,22 @@ def test_the_best_posture_is_taken_as_soon_as_it_is_known(page, commander):
     send_value(commander, control(page, "Go to the least condition number")._impl.uuid, True)
     wait_until(lambda: layer._facts is not None)
     wait_until(lambda: np.array_equal(page._arm.q, layer._facts.best.q))
+
+
+def test_dh_frames_follow_the_arm_and_go(page, commander):
+    layer = next(one for one in page._layers if type(one).__name__ == "DHTableLayer")
+    switch = control(page, "DH frames")
+    assert not layer._nodes._lines
+    send_value(commander, switch._impl.uuid, True)
+    wait_until(lambda: "normals" in layer._nodes._lines)
+    alive(page, commander)
+    expected = dh_frames(table_of(page._arm.chain), page._arm.q, layer._place.seen.reach)
+    lines, labels = layer._nodes._lines, layer._nodes._labels
+    wait_until(lambda: np.allclose(lines["axes"].points, expected.axes, atol=1e-6))
+    assert {one.text for one in labels if one.visible} == {*expected.names}
+    send_value(commander, switch._impl.uuid, False)
+    wait_until(lambda: not any(one.visible for one in (*lines.values(), *labels)))
+    alive(page, commander)
 
 
 def test_a_dh_number_changed_is_another_robot_solved_at_once_and_reset_brings_it_back(

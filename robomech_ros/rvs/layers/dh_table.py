@@ -1,4 +1,4 @@
-"""The Denavit-Hartenberg table of the arm, of which numbers are changed."""
+"""The Denavit-Hartenberg table of the arm, of which numbers are changed, and its frames."""
 
 from __future__ import annotations
 
@@ -10,14 +10,19 @@ from urllib.parse import quote
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots import DHTable
 from robomech_ros.rvs.model.dh_editing import ANGLES, changed_robot, read_change, table_of, yaml_of
+from robomech_ros.rvs.model.dh_frames import dh_frames
+from robomech_ros.rvs.page.dh_frame_nodes import DHFrameNodes
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
+from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.tables import SMALL
 from robomech_ros.rvs.page.units import Units
 from robomech_ros.rvs.serving.scripts import script_that_fills
 
 # Label of the text field that a change is written into.
 CHANGE = "Change DH"
+# Label of the switch that shows the frames of the table in the scene.
+FRAMES = "DH frames"
 # Parameters, what they are called, and their units.
 _TITLES = (("a", "a", "m"), ("b", "b", "m"), ("alpha", "α", "rad"), ("theta", "θ", "rad"))
 _CHANGED = (
@@ -91,7 +96,8 @@ class DHTableLayer(Layer):
     def __init__(self, place: LayerContext) -> None:
         super().__init__(place)
         # The robot that the page began with, and whether another one came from here.
-        self._kept = place.kept.setdefault("dh table", {"open": False})
+        first = {"open": False, "on": {"frames": False}}
+        self._kept = place.kept.setdefault("dh table", first)
         self.expanded = self._kept["open"]
         self._kept.setdefault("first", (place.description, place.chain))
         # The layer of the robot that this one was changed into, and whether it is gone.
@@ -99,9 +105,16 @@ class DHTableLayer(Layer):
         self._closed = False
         self._kept["layer"] = self
         self._version, self._typed, self._degrees = 0, False, False
+        self._known = None if place.chain.coupling is not None else table_of(place.chain)
+        self._nodes = DHFrameNodes(place.server.scene, place.base, place.seen.reach)
+        if self._known is not None:
+            self._switches = Switches(place, {"frames": FRAMES}, self._kept["on"])
 
     def show(self) -> None:
-        """Bring back the numbers that were typed over and refused."""
+        """Bring back the numbers that were typed over and refused, and let the frames follow."""
+        if self._known is not None:
+            on, reach = self._switches["frames"], self._place.seen.reach
+            self._nodes.show(dh_frames(self._known, self._place.arm.q, reach) if on else None)
         if self._typed or self._degrees != self._place.units.degrees:
             self._typed = False
             self._version += 1
@@ -109,9 +122,11 @@ class DHTableLayer(Layer):
 
     def _fill(self, folder: Folder, gui: Any) -> None:
         self._table = folder.text()
-        if self._place.chain.coupling is not None:
+        if self._known is None:
             self._table.content = NO_TABLE
             return
+        hint = "Frames, joint axes, offsets b and common normals a of the table, in the scene"
+        self._switches.add_to(folder, "frames", hint)
         hint = "Joint, parameter and number, as in: 2 a 0.5; a number typed above does it, too"
         folder.listen(gui.add_text(CHANGE, "", hint=hint), self._change)
         hint = "Back to the robot that the page began with"
@@ -124,9 +139,9 @@ class DHTableLayer(Layer):
 
     def _write(self) -> None:
         chain = self._place.chain
-        if not self.is_open or chain.coupling is not None:
+        if not self.is_open or self._known is None:
             return
-        table, units = table_of(chain), self._place.units
+        table, units = self._known, self._place.units
         self._degrees = units.degrees
         document = yaml_of(chain, table)
         self._table.content = dh_rows(
