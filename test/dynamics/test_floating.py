@@ -8,7 +8,14 @@ import pytest
 from arms_with_bodies import pinocchio_of, with_bodies
 from wrong_values import WRONG_VALUES, answered_or_refused, with_options
 
-from robomech_ros.dynamics import FloatingChain, move_floating_tip, simulate_floating
+from robomech_ros.dynamics import (
+    FloatingBase,
+    FloatingChain,
+    FloatingDynamics,
+    move_floating_tip,
+    simulate_floating,
+    with_payload,
+)
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import Body, chain_from_dh, load_robot
@@ -255,3 +262,73 @@ def test_times_may_repeat_and_torques_cannot_change_the_state(arm):
     run = simulate_floating(arm, POSE, q, still, careless, 0.1, times=[0.0, 0.0, 0.1])
     np.testing.assert_array_equal(run.t, [0.0, 0.0, 0.1])
     np.testing.assert_allclose(run.q, [q, q, q], atol=1e-12)
+
+
+def test_a_base_reacts_to_joints_as_the_simulation_has_it(arm):
+    """Captured bodies add their momentum, as Pinocchio computes it from poses and twists alone."""
+    q, _, _ = state(arm)
+    goal = POSE @ forward_kinematics(arm.chain, q)
+    goal[:3, 3] += [0.3, -0.2, 0.2]
+    run = move_floating_tip(arm, POSE, q, goal, 20.0, times=np.linspace(0.0, 20.0, 401))
+    base = FloatingBase(arm, q, pose=POSE)
+    for values, rates in zip(run.q[1:], run.rates[1:], strict=True):
+        base.move(values, rates[6:], 0.05)
+    np.testing.assert_allclose(base.pose, run.poses[-1], atol=1e-9)
+    np.testing.assert_allclose(base.rates, run.rates[-1], atol=1e-12)
+    load, velocity = Body(700.0, [0.1, 0.2, 0.9], 90.0 * np.eye(3)), [0.1, -0.2, 0.05]
+    base.capture(load, velocity)
+    loaded = FloatingChain(with_payload(arm.chain, load), BODY)
+    model, data, order = of_pinocchio(loaded)
+    tip = base.pose @ forward_kinematics(arm.chain, run.q[-1])
+    pinocchio.ccrba(model, data, configuration(base.pose, run.q[-1]), base.rates[order])
+    away = tip[:3, :3] @ load.com + tip[:3, 3] - data.com[0]
+    linear = 700.0 * np.array(velocity)
+    expected = np.concatenate((np.cross(away, linear), linear))
+    np.testing.assert_allclose(data.hg.vector[LINEAR_FIRST], expected, atol=1e-9)
+    np.testing.assert_allclose(base.momentum, expected, atol=1e-9)
+    # What flies on is what it took along, and the base keeps its own.
+    before = base.rates.copy()
+    base.capture(None)
+    np.testing.assert_allclose(base.rates, before, atol=1e-15)
+    assert base.robot is arm
+
+
+def test_drives_of_a_free_base_have_the_efforts_of_the_free_flyer(arm):
+    momentum = np.array([90.0, -60.0, 30.0, 60.0, -30.0, 60.0])
+    system = FloatingDynamics(arm, momentum)
+    q, u, du = (np.array([state(arm, seed, 0.1)[k] for seed in (3, 4)]) for k in range(3))
+    qd, qdd = u[:, 6:], du[:, 6:]
+    wrench = np.array([5.0, 4.0, 3.0, 2.0, 1.0, 6.0])
+    tau = system.inverse(q, qd, qdd, gravity=[1.0, 2.0, -9.0], tip_wrench=wrench)
+    np.testing.assert_allclose(system.forward(q, qd, tau, tip_wrench=wrench), qdd, atol=1e-12)
+    torques, _ = arm.torques(q[0], arm.rates(q[0], qd[0], momentum), qdd[0])
+    np.testing.assert_allclose(system.inverse(q, qd, qdd)[0], torques, atol=1e-8)
+    inertial = np.einsum("kij,kj->ki", system.mass_matrix(q), qdd)
+    still = system.without_momentum()
+    np.testing.assert_allclose(still.inverse(q, 0.0 * qd, qdd), inertial, atol=1e-8)
+    energies = [arm.kinetic_energy(at, arm.rates(at, v)) for at, v in zip(q, qd, strict=True)]
+    np.testing.assert_allclose(still.kinetic_energy(q, qd), energies, rtol=1e-12)
+    np.testing.assert_allclose(
+        [0.5 * v @ M @ v for v, M in zip(qd, system.mass_matrix(q), strict=True)], energies
+    )
+    with pytest.raises(BadValueError, match="fixed base"):
+        system.coriolis_matrix(q[0], qd[0])
+
+
+def test_wrong_arguments_of_a_free_base_are_named(arm):
+    q = arm.chain.home()
+    base = FloatingBase(arm, q)
+    calls = {
+        **with_options(FloatingBase, robot=arm, q=q),
+        **with_options(FloatingDynamics, robot=arm),
+        **with_options(base.move, q=q, qd=q, seconds=0.0),
+        **with_options(base.capture, body=Body(1.0, np.zeros(3), np.eye(3))),
+    }
+    for call in calls.values():
+        answered_or_refused(call, [*WRONG_VALUES, q, np.full(7, np.nan)])
+    with pytest.raises(NonFiniteError, match="momentum"):
+        FloatingBase(arm, q, [np.nan] * 6)
+    with pytest.raises(NonFiniteError, match="momentum"):
+        FloatingDynamics(arm, [np.inf] * 6)
+    with pytest.raises(BadValueError, match="seconds"):
+        base.move(q, q, -1.0)

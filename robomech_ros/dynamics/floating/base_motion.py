@@ -9,14 +9,17 @@ import numpy as np
 from robomech_ros.dynamics.floating.chain import FloatingChain
 from robomech_ros.dynamics.floating.motion import Conserved, quaternion_rate, rotation
 from robomech_ros.dynamics.payload import with_payload
+from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots.bodies import Body
 from robomech_ros.spatial import as_pose, quaternion_from_matrix
-from robomech_ros.spatial.arrays import as_finite, as_single, check_kind
+from robomech_ros.spatial.arrays import as_single, check_kind
 from robomech_ros.typing import Array, ArrayLike
 
-# Longest step of the integration (s).
-_STEP = 0.05
+# Step of the integration (s), and most steps of a move, such as that of a process that was paused.
+_STEP, _MOST_STEPS = 0.05, 1000
+# Longest move (s).
+_LONGEST = 1e6
 
 
 class FloatingBase:
@@ -85,13 +88,20 @@ class FloatingBase:
             Joint values (rad or m) and rates at the end.
         seconds : float
             In this time (s); at 0 the joints are there at once, and the base does not turn.
+
+        Raises
+        ------
+        BadValueError, WrongSizeError, NonFiniteError
+            An argument has a wrong value or shape.
         """
         n = self.robot.n
         values, rates = as_single("q", q, (n,)), as_single("qd", qd, (n,))
-        span = float(as_finite("seconds", seconds, ()))
+        span = float(as_single("seconds", seconds, ()))
+        if not 0.0 <= span <= _LONGEST:
+            raise BadValueError("seconds", span, f"a time from 0 to {_LONGEST:g} s")
         before, self._q, self._qd = (self._q, self._qd), values.copy(), rates.copy()
         if span > 0.0:
-            steps = math.ceil(span / _STEP)
+            steps = min(math.ceil(span / _STEP), _MOST_STEPS)
             for k in range(steps):
                 self._step(before, span, k / steps, (k + 1) / steps)
         self._time += span

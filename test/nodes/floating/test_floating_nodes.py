@@ -23,7 +23,7 @@ from robomech_interfaces.srv import (
     PlanCartesian,
     SolveIK,
 )
-from robomech_ros.dynamics import FloatingChain, follow_floating_path
+from robomech_ros.dynamics import FloatingChain
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
@@ -264,12 +264,3 @@ def test_requests_that_cannot_be_served_get_code_and_text(graph):
     empty = graph.ask(MassMatrix, "dynamics/mass_matrix", state=JointState(position=[0.1] * 6))
     assert empty.error_code == ErrorCode.MISSING_INERTIA
     assert "has no mass" in empty.error_msg
-
-
-def test_a_path_ends_where_the_base_would_have_to_follow(graph):
-    robot = FloatingChain(ARM, BASE)
-    far = follow_floating_path(
-        robot, np.eye(4), HOME, lambda s: (TIP, np.zeros(6)), 1.0, times=[0.0, 1.0]
-    )
-    assert far.reason == "finished"
-    np.testing.assert_allclose(far.q[-1], HOME, atol=1e-12)
