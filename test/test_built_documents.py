@@ -3,10 +3,12 @@
 import importlib.util
 import re
 import sys
+import time
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 BUILT = Path(__file__).resolve().parent.parent / "doc" / "_build"
 PAGES = sorted(BUILT.rglob("*.html"))
@@ -14,6 +16,7 @@ SCENES = [page for page in PAGES if "__VISER_EMBED_DATA__" in page.read_text("ut
 READ = [page for page in PAGES if page not in SCENES]
 LARGEST_API_PAGE = 300_000  # bytes
 WIDTH = 1280  # px
+DRAWN = 200  # colours of a shaded robot; an empty frame has one
 MISSING = importlib.util.find_spec("viser") is None
 
 pytestmark = pytest.mark.skipif(not PAGES, reason="make docs builds the pages")
@@ -81,7 +84,7 @@ def test_all_formulas_are_shown():
 
 
 def test_the_search_finds_a_function():
-    with opened(Path(f"{BUILT}/search.html")) as tab:
+    with opened(BUILT / "search.html") as tab:
         tab.open(f"{(BUILT / 'search.html').as_uri()}?q=inverse_kinematics")
         tab.wait_for("document.querySelector('#search-results li a')")
 
@@ -105,11 +108,22 @@ def test_a_scene_turns_with_the_mouse(scene):
 
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda page: page.stem)
-def test_a_notebook_shows_its_scene(scene):
+def test_a_notebook_shows_its_scene(scene, tmp_path):
     (page,) = [one for one in READ if f'src="{scene.name}"' in one.read_text("utf-8")]
+    frame = "document.querySelector('iframe.scene')"
     with opened(page) as tab:
-        tab.value("document.querySelector('iframe.scene').scrollIntoView({block: 'center'})")
-        frames = tab.send("Page.getFrameTree")["frameTree"].get("childFrames", ())
-        assert [one["frame"]["url"].rpartition("/")[2] for one in frames] == [scene.name]
-        size = tab.value("document.querySelector('iframe.scene').getBoundingClientRect().width")
-        assert size > 500
+        tab.value(f"{frame}.scrollIntoView({{block: 'center'}})")
+        box = f"(b => [b.left, b.top, b.right, b.bottom])({frame}.getBoundingClientRect())"
+        left, top, right, bottom = tab.value(box)
+        assert right - left > 500
+        deadline = time.monotonic() + 120.0
+        while colours(tab, tmp_path / "page.png", (left, top, right, bottom)) < DRAWN:
+            assert time.monotonic() < deadline, "the scene stays empty"
+            tab.frames(5)
+
+
+def colours(tab, path, box):
+    """Count the colours in a part of what is seen."""
+    tab.picture(path)
+    with Image.open(path) as seen:
+        return len(seen.convert("RGB").crop(box).getcolors(1 << 24))
