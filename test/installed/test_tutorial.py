@@ -1,4 +1,4 @@
-"""All blocks of doc/tutorial.md but the set-up, in their order, beside one running suite."""
+"""All blocks of doc/tutorial.md but the set-up in their order, and clients of other pages."""
 
 import os
 import re
@@ -29,6 +29,7 @@ def blocks(page):
     return found
 
 
+@pytest.mark.timeout(900)
 def test_every_block_runs_in_order(suite, bringup, outsider, repository, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "examples").symlink_to(repository / "examples")
@@ -93,3 +94,8 @@ def test_every_block_runs_in_order(suite, bringup, outsider, repository, tmp_pat
         target = np.diag([-1.0, 1.0, -1.0, 1.0])
         target[:3, 3] = 0.4, 0.3, 0.3
         np.testing.assert_allclose(tip(), target, atol=1e-3)
+        for name in ("moveit", "interfaces"):
+            text = (repository / "doc" / f"{name}.md").read_text(encoding="utf-8")
+            (client,) = re.findall(r"^```py\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
+            run("py", client)
+        assert is_at({**READY, "pan": -0.8})
