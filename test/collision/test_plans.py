@@ -209,8 +209,11 @@ def test_a_start_in_contact_is_left_while_the_distance_grows():
     assert scene.check_motion(plan.waypoints[out:]).certified
     again = scene.plan(start, RIGHT, timeout=20.0)
     np.testing.assert_array_equal(plan.waypoints, again.waypoints)
-    timed = timed_path(scene, plan.waypoints, Limits(scene.chain.joint_names, **LIMITS))
+    limits = Limits(scene.chain.joint_names, **LIMITS)
+    seconds = 2.0 * timed_path(scene, plan.waypoints, limits).trajectory.duration
+    timed = timed_path(scene, plan.waypoints, limits, duration=seconds)
     assert timed.verification.ok
+    assert timed.waypoints.times[-1] == pytest.approx(seconds, abs=3e-9)
     rows, speeds = timed.waypoints.positions, np.abs(timed.waypoints.velocities).max(axis=1)
     stop = int(np.argmin(np.abs(rows - plan.waypoints[out]).max(axis=1)))
     assert speeds[[0, stop, -1]].max() < 1e-9
