@@ -278,6 +278,8 @@ def test_a_gripper(bringup, outsider, tmp_path):
             closed_gripper_joint_positions=0.0,
             gripper_command_action_name="gripper_controller/gripper_cmd",
         )
+        # A node that is still starting would not end in time.
+        outsider.client(GetPlanningScene, "get_planning_scene")
         wait_until_connected(outsider)
         outsider.wait_for_joints(lambda q: "grip" in q)
         for move, place in ((gripper.open, 0.04), (gripper.close, 0.0)):
