@@ -11,6 +11,7 @@ from robomech_ros._kernels.collision.grids import CELLS
 from robomech_ros._kernels.collision.shapes import DRIVE, GAIN, KIND, PARENT, SPHERES
 from robomech_ros._kernels.collision.tables import Tables
 from robomech_ros.collision.placed_bodies import PlacedBody
+from robomech_ros.collision.sphere_cover import sphere_around
 from robomech_ros.typing import Array, IntArray
 
 _NO_PAIRS, _NO_SPHERES, _NO_CORNERS = np.empty((0, 5)), np.empty((0, 8)), np.empty((0, 3))
@@ -101,19 +102,10 @@ def _bodies_around_groups(
             if not alone and sides[k] not in numbers:
                 numbers[sides[k]] = len(placed) + len(numbers)
                 covers = spheres[np.isin(of_spheres, members[sides[k]])]
-                around.append(_sphere_around(covers))
+                around.append(sphere_around(covers)[None])
                 bodies.append(np.array([[placed[k].frame, 0, 0, SPHERES, 0, 0, 0, 0]], dtype=float))
             row[5 + i] = k if alone else numbers[sides[k]]
     return np.concatenate(bodies), np.concatenate(around)
-
-
-def _sphere_around(spheres: Array) -> Array:
-    """Return a sphere (1, 4) around spheres."""
-    centres, radii = spheres[:, :3], spheres[:, 3]
-    low, high = centres - radii[:, None], centres + radii[:, None]
-    middle = 0.5 * (low.min(axis=0) + high.max(axis=0))
-    radius = (np.linalg.norm(centres - middle, axis=1) + radii).max()
-    return np.array([[*middle, radius]])
 
 
 def list_pairs(
@@ -128,6 +120,7 @@ def list_pairs(
     for i, parent in enumerate(joints[:, 0].astype(int).tolist()):
         order[i + 1] = [i + 1, *order[parent]]
         above[i + 1] = set(order[i + 1])
+    sides = [_side(placed, k) for k in range(len(placed))]
     parts: dict[str, list[int]] = {}
     for k, one in enumerate(placed):
         parts.setdefault(one.owner, []).append(k)
@@ -140,8 +133,7 @@ def list_pairs(
         common = next(k for k in order[one.frame] if k in above[other.frame])
         lost = 0.0 if len(other.spheres) else padding
         for j in seconds:
-            sides = _side(placed, firsts[0]), _side(placed, j)
-            group = groups.setdefault(sides, len(groups))
+            group = groups.setdefault((sides[firsts[0]], sides[j]), len(groups))
             rows += [(i, j, common, lost, group) for i in firsts]
     rows.sort(key=lambda row: row[4])
     return np.array(rows, dtype=np.float64) if rows else _NO_PAIRS

@@ -118,11 +118,6 @@ def pose_of_link(places: LinkPlaces, link: str, q: Array) -> Array:
     return result
 
 
-def as_row(pose: Array) -> Array:
-    """Return a pose (4, 4) as the twelve numbers of the kernels."""
-    return np.append(pose[:3, :3].ravel(), pose[:3, 3])
-
-
 class LinkShape(NamedTuple):
     """A shape of a link, and its pose (4, 4) in the link (m)."""
 

@@ -48,6 +48,15 @@ def cover(points: Array, radius: float, most: int) -> tuple[Array, Array]:
     return spheres, around
 
 
+def sphere_around(spheres: Array) -> Array:
+    """Return the centre and radius (4,) of a sphere around spheres (s, 8), as from `cover` (m)."""
+    centres, radii = spheres[:, :3], spheres[:, 3]
+    low, high = centres - radii[:, None], centres + radii[:, None]
+    middle = 0.5 * (low.min(axis=0) + high.max(axis=0))
+    radius = float((np.linalg.norm(centres - middle, axis=1) + radii).max())
+    return np.append(middle, radius * (1.0 + _ROUNDING))
+
+
 class _Piece:
     """The convex hull of points, with a ball around it and one inside."""
 

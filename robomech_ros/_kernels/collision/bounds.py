@@ -242,7 +242,10 @@ def _find_contacts(tables, posture, centres, q, limit, near):
     pairs, grids = tables.pairs, tables.grids
     found = 0
     for g in range(grids.shape[0]):
-        if known_apart(grids, tables.cells, g, q, limit) or _group_bound(tables, centres, g) > limit:
+        if (
+            known_apart(grids, tables.cells, g, q, limit)
+            or _group_bound(tables, centres, g) > limit
+        ):
             continue
         for p in range(int(grids[g, 3]), int(grids[g, 4])):
             bound = far_bound(tables, centres, int(pairs[p, 0]), int(pairs[p, 1])) - pairs[p, 3]

@@ -2,9 +2,9 @@
 
 Such distances are the same in all scenes, so bounds of them are kept.  Rows of ``grids`` (g, 7)
 begin for each group of pairs with the drives of both joints (-1 for a second one that does not
-exist), its first cell in ``cells`` (-1 if it has none), its first pair and the one after its last.  A cell
-holds a lower bound of the distance of the group while each joint is anywhere in the cell, or 0 if
-no bound is known yet.
+exist), its first cell in ``cells`` (-1 if it has none), its first pair and the one after its last.
+A cell holds a lower bound of the distance of the group while each joint is anywhere in the cell, or
+0 if no bound is known yet.
 """
 
 import math

@@ -150,24 +150,21 @@ def _travel_of_centres(tables, posture, part, a, b, c):
 def _judge_group(tables, posture, part, curve, p, keep, step):
     """Return what cells, and one sphere around each side, show of the group of pair p.
 
-    Bodies that may change places show nothing before a part is halved, unless they move by less
-    than a step (m).
+    If these show nothing, its pairs wait until no side moves by more than a step (m).
     """
-    grids, around = tables.grids, tables.around
-    g = int(tables.pairs[p, 4])
-    a, b, c = int(grids[g, 5]), int(grids[g, 6]), int(tables.pairs[p, 2])
-    travel, bound = 0.0, 0.0
+    grids = tables.grids
+    g, c = int(tables.pairs[p, 4]), int(tables.pairs[p, 2])
+    a, b = int(grids[g, 5]), int(grids[g, 6])
+    travel = 0.0
     if a >= 0:
-        bound = far_bound(tables, part.centres, a, b)
         travel = _travel_of_centres(tables, posture, part, a, b, c)
-        if bound - travel > keep:
+        if far_bound(tables, part.centres, a, b) - travel > keep:
             return _APART
-        bound += around[a, 3] + around[b, 3]
     if grids[g, 2] >= 0.0 and APART == cells_apart(
         grids, tables.cells, g, curve, part.middle, keep
     ):
         return _APART
-    return _FAR if travel > max(step, bound) else _LOOKED_UP
+    return _FAR if travel > step else _LOOKED_UP
 
 
 @lean

@@ -21,10 +21,10 @@ class Tables(NamedTuple):
     joints : ndarray, shape (m, 17)
         The tree of joints; see `shapes`.
     bodies : ndarray, shape (b, 8)
-        The bodies of the pairs, then bodies that hold all of a side of a group and have only a
-        frame and a sphere around them.  Frame, first sphere and the one after the last, kind of the simple shape that the body is
+        Frame, first sphere and the one after the last, kind of the simple shape that the body is
         or lies in (``SPHERES`` for none), 1 if it is exactly that shape, first corner, radius, and
-        the kind of its hull; see `hulls`.
+        the kind of its hull; see `hulls`.  The last rows are bodies around all bodies of one side
+        of a group; they have only a frame and a row in ``around``.
     around : ndarray, shape (b, 4)
         Centre and radius of a sphere around the body.
     spheres : ndarray, shape (s, 8)

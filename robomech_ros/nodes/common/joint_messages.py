@@ -1,7 +1,8 @@
 """Joint states and trajectories in messages, which match joints by name, as arrays in order."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -106,9 +107,10 @@ def joint_state(joint_names: Sequence[str], positions: Array) -> JointState:
 
 def received_trajectory(message: JointTrajectory) -> ReceivedTrajectory:
     """Hand over a message that nothing is known about; its points are not copied."""
-    spans = [point.time_from_start for point in message.points]
+    points = list(message.points)
+    spans = [point.time_from_start for point in points]
     times = [span.sec + span.nanosec * 1e-9 for span in spans]
-    return ReceivedTrajectory(message.joint_names, times, message.points)
+    return ReceivedTrajectory(message.joint_names, times, points)
 
 
 class TrajectoryPoints:
@@ -148,6 +150,33 @@ class TrajectoryPoints:
         return points
 
 
+class SampledPoints(Sequence[JointTrajectoryPoint]):
+    """Trajectory points that are made anew whenever they are read, for a message that is kept.
+
+    A point message takes 1 kB, its numbers less than 0.2 kB, and rclpy keeps a result for 10 s.
+
+    Parameters
+    ----------
+    samples : ndarray
+        Times (m,) (s), positions and, if any, rates (m, n); see `TrajectoryPoints.filled`.
+    """
+
+    def __init__(self, *samples: Array) -> None:
+        self._samples = samples
+
+    def __len__(self) -> int:
+        return len(self._samples[0])
+
+    def __iter__(self) -> Iterator[JointTrajectoryPoint]:
+        return iter(self[:])
+
+    def __getitem__(self, index: Any) -> Any:
+        rows = index if isinstance(index, slice) else slice(index, index + 1 or None)
+        times, *curves = (values[rows] for values in self._samples)
+        points = TrajectoryPoints().filled(times, *curves)
+        return points if rows is index else points[0]
+
+
 def joint_trajectory(
     names: Sequence[str], times: Array, positions: Array, velocities: Array, accelerations: Array
 ) -> JointTrajectory:
@@ -167,7 +196,7 @@ def joint_trajectory(
     JointTrajectory
         With stamp 0: start when received.
     """
-    points = TrajectoryPoints().filled(times, positions, velocities, accelerations)
+    points = SampledPoints(times, positions, velocities, accelerations)
     return JointTrajectory(joint_names=list(names), points=points)
 
 

@@ -11,8 +11,8 @@ from contextlib import contextmanager, suppress
 LARGEST_DATA = 3_000_000_000
 # What NumPy and SciPy reserve for each processor without using it, bytes.
 _EACH_PROCESSOR = 90_000_000
-# The most heaps of all threads, and sizes (bytes) of blocks that have no place in a heap and of free
-# memory at its end from which on the system gets it back.
+# The most heaps of all threads, and the sizes (bytes) from which on a block has no place in a heap,
+# and the free end of a heap goes back to the system.
 _HEAPS, _LARGE_BLOCK, _FREE_END = 2, 1_000_000, 4_000_000
 # Numbers of the parameters of mallopt of the GNU C library.
 _TRIM_THRESHOLD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -3, -8

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from builtin_interfaces.msg import Duration
 from geometry_msgs.msg import Point, Pose, Quaternion
+from rclpy.serialization import deserialize_message, serialize_message
 from scipy.spatial.transform import Rotation
 from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import (
     BadQuaternionError,
@@ -185,3 +187,9 @@ def test_joint_trajectory():
     assert list(message.points[1].velocities) == [6, 8, 10]
     assert list(message.points[1].accelerations) == [9, 12, 15]
     assert message.header.stamp.sec == 0
+    assert message.points[-1] == message.points[1:][0] == list(message.points)[1]
+    assert len(message.points) == 2
+    with pytest.raises(IndexError):
+        message.points[2]
+    sent = deserialize_message(serialize_message(message), JointTrajectory)
+    assert sent.points == list(message.points)
