@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 # Packages of messages that the node cannot do without.
 _PACKAGES = ("moveit_msgs", "control_msgs")
+# Time after which the first clients have made the node load what they need (s).
+_SETTLED = 60.0
 
 
 class MissingMessagesError(RobomechError):
@@ -110,6 +113,13 @@ class MoveGroupNode(Node):
         self.get_logger().info(f"ready: {model.chain.name}, {model.chain.n} joints{text}")
         # The first plan does not wait for it.
         self._worker.begin(ompl)
+        self._worker.begin(settle_pages)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._settling = self.create_timer(_SETTLED, self._settle, clock=steady)
+
+    def _settle(self) -> None:
+        """Give back what the first requests needed only to begin."""
+        self._settling.cancel()
         self._worker.begin(settle_pages)
 
 
