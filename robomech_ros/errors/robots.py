@@ -80,7 +80,7 @@ class LoopClosureError(BadValueError):
 
 
 class SingularPostureError(BadValueError):
-    """A posture in which the drives of a parallel robot do not hold it."""
+    """A posture in which drives do not hold a parallel robot, or steered wheels have no rates."""
 
     def __init__(self, what: str, value: object, expected: str) -> None:
         super().__init__(what, value, expected)

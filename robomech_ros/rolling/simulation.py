@@ -117,7 +117,7 @@ def simulate_rolling(
     psi = np.zeros(c) if brackets is None else one_vector("brackets", brackets, c)
     coordinates = np.linalg.pinv(dynamics.free)
     turning = (begun.shape @ begun.rates)[3:]
-    parts = [one_vector("pose", pose, 3), coordinates @ start, angles, turning, psi, [0.0]]
+    parts = [one_vector("pose", pose, 3), coordinates @ start, angles, turning, psi, np.zeros(1)]
     ends = np.cumsum([3, m, count, count, c])
 
     def derivative(t: float, y: Array) -> Array:

@@ -40,8 +40,8 @@ class SteeringMotion:
     """
 
     angles: Array
-    rates: Array | None = None
-    accelerations: Array | None = None
+    rates: Array = None  # type: ignore[assignment]
+    accelerations: Array = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         count = np.size(self.angles)

@@ -313,7 +313,7 @@ def test_torques_are_shortened_as_a_whole():
 
 def test_what_is_no_dynamics_is_refused():
     body, platform = WheelBody(mass=1.0), PlatformBody(mass=1.0, inertia=1.0)
-    steered = Wheel(kind="steered", position=[0.0, 0.0], radius=0.05)
+    steered = Wheel(kind="steered", position=[0.0, 0.0], radius=0.05, name="turned")
     wheels = [*omnidirectional(3, 0.1, 0.3).wheels, steered]
     with pytest.raises(BadValueError, match="type of the base is '\\(2,1\\)', expected \\(1,1\\)"):
         RollingDynamics(RollingBase(wheels), platform, [body] * 4)

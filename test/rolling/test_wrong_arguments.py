@@ -12,6 +12,7 @@ from robomech_ros.rolling import (
     PlatformBody,
     RollingBase,
     RollingDynamics,
+    SteeringMotion,
     Wheel,
     WheelBody,
     ackermann,
@@ -23,6 +24,7 @@ from robomech_ros.rolling import (
     mecanum,
     omnidirectional,
     rolling_robot,
+    steering_along,
     swerve,
     tricycle,
 )
@@ -94,6 +96,19 @@ def calls():
     found |= with_options(moving.bodies, **state) | with_options(moving.drive_model, **state)
     found |= with_options(moving.kinetic_energy, **state)
     found["within_limits"] = moving.within_limits
+    car = rolling_robot("ackermann").dynamics
+    turned = steering_along(car.base, [0.5, 1.0, 0.0], [0.1, 0.2, 0.0])
+    motion = {"twist": [0.5, 1.0, 0.0], "acceleration": [0.1, 0.2, 0.0]}
+    found |= with_options(steering_along, base=car.base, jerk=[0, 0, 0], near=[0, 0], **motion)
+    found |= with_options(SteeringMotion, angles=[0.1, 0.2], rates=[1, 2], accelerations=[0, 0])
+    steered = {
+        "inverse": with_options(car.inverse, steering=turned, **motion),
+        "forward": with_options(
+            car.forward, twist=motion["twist"], torques=[0.1] * 4, steering=turned
+        ),
+    }
+    for of, some in steered.items():
+        found |= {f"car {of} {one}": call for one, call in some.items()}
     good = {"base": load_rolling("omni"), "limits": MotionLimits(), "period": 0.1}
     found |= with_options(CommandLimiter, **good) | {"Odometry.at": Odometry.at}
     return found

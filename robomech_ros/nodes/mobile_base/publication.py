@@ -108,6 +108,12 @@ class BasePublication:
         self._states.position = floats(np.concatenate(positions))
         rates = [simulated.rates[self._wheels], base.steering_rates, simulated.bracket_rates]
         self._states.velocity = floats(np.concatenate(rates))
+        if simulated.torques is not None:
+            driving, steering = np.split(simulated.torques, [int(simulated.driven.sum())])
+            wheels = np.zeros(len(simulated.driven))
+            wheels[simulated.driven] = driving
+            efforts = [wheels[self._wheels], steering, np.zeros(len(simulated.brackets))]
+            self._states.effort = floats(np.concatenate(efforts))
         self._joint_states.publish(self._states)
         self._count += 1
         if self._display is not None and self._count % self._states_per_frames == 0:

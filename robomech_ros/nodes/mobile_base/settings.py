@@ -89,7 +89,8 @@ class MobileBaseSettings(_LimitsOfAxes):
     drive: str = parameter("", "Kind of drive; empty = that of the robot", choices=_DRIVES)
     simulation: str = parameter(
         KINEMATIC,
-        "Motion of the base: kinematic = as commanded, dynamic = by the torques of its motors",
+        "Motion of the base: kinematic = as commanded, dynamic = by the torques of its motors, of "
+        "driven wheels and of those that steer",
         choices=(KINEMATIC, DYNAMIC),
     )
     update_rate: float = parameter(

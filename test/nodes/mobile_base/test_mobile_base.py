@@ -269,13 +269,17 @@ def test_15_what_the_drive_cannot_give_is_left_out(drive):
     np.testing.assert_array_equal(base.motion.twist, other.motion.twist)
 
 
-@pytest.mark.parametrize("name", ["differential", "omni", "mecanum"])
+@pytest.mark.parametrize(
+    "name", ["differential", "omni", "mecanum", "tricycle", "ackermann", "swerve"]
+)
 def test_motors_move_the_base_to_its_command_and_to_rest(name):
     robot, _ = chosen_robot(MobileBaseSettings(robot_description=name))
     options = BaseOptions(period=PERIOD, timeout=0.5, dynamic=True)
     base = MobileBase(robot, INTERFACES[robot.drive], options)
     drive_on(base, (0.2, 0.3, 0.0), 200)
     np.testing.assert_allclose(base.simulated.twist, (0.2, 0.3, 0.0), atol=1e-6)
+    # Odometry is that of the simulated wheels, not of commands.
+    np.testing.assert_allclose(base.odometry.pose, base.simulated.pose, atol=1e-9)
     for _ in range(200):
         base.update()
     assert np.abs(base.simulated.twist).max() < 1e-6
@@ -295,10 +299,9 @@ def test_weak_motors_are_named_and_do_not_give_more():
 
 def test_motors_need_bodies():
     robot, _ = chosen_robot(MobileBaseSettings(robot_description="swerve"))
+    options = BaseOptions(period=PERIOD, timeout=0.5, dynamic=True)
     with pytest.raises(BadValueError, match="'dynamic', expected kinematic: this robot's"):
-        MobileBase(
-            robot, INTERFACES["swerve"], BaseOptions(period=PERIOD, timeout=0.5, dynamic=True)
-        )
+        MobileBase(replace(robot, dynamics=None), INTERFACES["swerve"], options)
 
 
 def test_several_wheels_of_a_side_are_one():
