@@ -80,10 +80,9 @@ class MotorControl:
         dynamics, base = self._dynamics, self._base
         gain = min(_GAIN, _LARGEST_STEP / period)
         wanted = base.feasible(motion.acceleration + gain * (motion.twist - now.twist))
-        needed = dynamics.inverse(now.twist, wanted, brackets)
-        torques, saturated = dynamics.within_limits(needed)
-        change = dynamics.forward(now.twist, torques, brackets)
-        twist = base.feasible(now.twist + period * change)
+        moving, none = dynamics.moving(now.twist, brackets), np.zeros(3)
+        torques, saturated = dynamics.within_limits(moving.torques(wanted, none))
+        twist = base.feasible(now.twist + period * moving.accelerations(torques, none))
         return DrivenBase(twist, now.steering, torques, saturated)
 
     def _steered_at_rest(self, now: DrivenBase, motion: BaseMotion, period: float) -> DrivenBase:

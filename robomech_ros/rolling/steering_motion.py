@@ -19,6 +19,7 @@ from robomech_ros.rolling.argument_checks import one_vector
 from robomech_ros.rolling.base import RollingBase
 from robomech_ros.rolling.constraints import drive_rows, side_rows
 from robomech_ros.rolling.steering import free_twists
+from robomech_ros.spatial.arrays import check_kind, real_array
 from robomech_ros.typing import Array, ArrayLike
 
 # Directions that differ by less than this part are the same.
@@ -44,7 +45,7 @@ class SteeringMotion:
     accelerations: Array = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
-        count = np.size(self.angles)
+        count = real_array("angles", self.angles).size
         for name in ("angles", "rates", "accelerations"):
             value = getattr(self, name)
             array = np.zeros(count) if value is None else one_vector(name, value, count)
@@ -101,11 +102,13 @@ def steering_along(
     >>> found.angles.tolist(), found.rates.round(6).tolist()
     ([0.0], [0.626])
     """
+    check_kind("base", base, RollingBase, "a RollingBase")
+    start = None if near is None else one_vector("near", near, len(base.steered))
     v, a, j = (
         one_vector(what, value, 3)
         for what, value in (("twist", twist), ("acceleration", acceleration), ("jerk", jerk))
     )
-    angles = base.steering_angles(v if v.any() else a, near)
+    angles = base.steering_angles(v if v.any() else a, start)
     if not v.any():
         return SteeringMotion(angles)
     sides, rolls = _rows(base, angles)

@@ -106,7 +106,6 @@ STEERED = {
     "car with a caster": RollingBase(
         [*ackermann(0.15, 1.2, 0.8, steering_limit=1.5).wheels, caster(0.3, 0.1, 0.4)]
     ),
-    "two steered wheels": swerve(0.05, [[0.3, 0.1], [-0.2, 0.0]]),
     "swerve": swerve(0.05, [[0.25, 0.2], [0.2, -0.25], [-0.2, -0.2], [-0.25, 0.2]]),
 }
 

@@ -16,7 +16,7 @@ from twist_driver import Driver
 from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.mobile_base.drives import INTERFACES
 from robomech_ros.nodes.mobile_base.node import MobileBaseNode
-from robomech_ros.rolling import load_rolling
+from robomech_ros.rolling import load_rolling, rolling_robot
 
 FAST = {"update_rate": 50.0}
 BICYCLE = {
@@ -59,6 +59,28 @@ def test_every_drive_follows_its_topic_brakes_and_follows_again(graph, robot, co
     assert abs(truth.pose.position.x - last.pose.pose.position.x) < 1e-9
     # Covariance has grown with the way.
     assert last.pose.covariance[0] > 0.0 and last.pose.covariance[35] > 0.0
+
+
+@pytest.mark.parametrize(("robot", "command"), [("tricycle", "reference"), ("swerve", "cmd_vel")])
+def test_motors_drive_and_steer_within_their_torques_and_joint_states_show_them(
+    graph, robot, command
+):
+    # On a busy machine commands may be late.
+    late = {"reference_timeout": 60.0, "cmd_vel_timeout": 60.0, "update_rate": 20.0}
+    graph.start(MobileBaseNode, robot_description=robot, simulation="dynamic", **late)
+    dynamics, largest = rolling_robot(robot).dynamics, {}
+
+    def heard(message):
+        for name, effort in zip(message.name, message.effort, strict=True):
+            largest[name] = max(abs(effort), largest.get(name, 0.0))
+
+    graph.client.create_subscription(JointState, "joint_states", heard, 100)
+    Driver(graph, f"mobile_base/{command}").command(0.3, 0.0, 0.2)
+    topic = f"mobile_base/{'odom' if robot == 'swerve' else 'odometry'}"
+    graph.receive(Odometry, topic, 20, lambda m: abs(m.twist.twist.angular.z - 0.2) < 1e-4)
+    for name, limit in zip(dynamics.motors, dynamics.max_torques, strict=True):
+        assert 0.0 < largest[name] <= limit * (1.0 + 1e-12)
+    assert all(largest[name] == 0.0 for name in {*largest} - {*dynamics.motors})
 
 
 def test_wheels_have_the_rates_of_the_limited_command(graph):
