@@ -2,6 +2,7 @@
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", help="name, or path of a URDF or YAML file")
     parser.add_argument("--base-link", default="", help="first link of the chain")
     parser.add_argument("--tip-link", default="", help="last link of the chain")
-    joints = {"nargs": "+", "type": number}
+    joints: dict[str, Any] = {"nargs": "+", "type": number}
     parser.add_argument(
         "--joints", metavar="Q", help="positions at the start, rad or m (home)", **joints
     )
