@@ -81,6 +81,7 @@ NOT_OF_A_STATE = (
     "simulate",
     "simulate_floating",
     "move_floating_tip",
+    "follow_floating_path",
     "consistent_fit",
     "torque_summary",
 )

@@ -12,6 +12,7 @@ from robomech_ros.dynamics import (
     FloatingBase,
     FloatingChain,
     FloatingDynamics,
+    follow_floating_path,
     move_floating_tip,
     simulate_floating,
     with_payload,
@@ -317,15 +318,26 @@ def test_drives_of_a_free_base_have_the_efforts_of_the_free_flyer(arm):
 
 def test_wrong_arguments_of_a_free_base_are_named(arm):
     q = arm.chain.home()
-    base = FloatingBase(arm, q)
+    base, tip = FloatingBase(arm, q), POSE @ forward_kinematics(arm.chain, q)
     calls = {
         **with_options(FloatingBase, robot=arm, q=q),
         **with_options(FloatingDynamics, robot=arm),
+        **with_options(
+            follow_floating_path,
+            robot=arm,
+            pose=POSE,
+            q=q,
+            path=lambda s: (tip, np.zeros(6)),
+            duration=0.1,
+        ),
         **with_options(base.move, q=q, qd=q, seconds=0.0),
         **with_options(base.capture, body=Body(1.0, np.zeros(3), np.eye(3))),
     }
     for call in calls.values():
         answered_or_refused(call, [*WRONG_VALUES, q, np.full(7, np.nan)])
+    for path in (lambda s: POSE, lambda s: (POSE, [1.0])):
+        with pytest.raises((BadValueError, WrongSizeError), match="path"):
+            follow_floating_path(arm, POSE, q, path, 1.0)
     with pytest.raises(NonFiniteError, match="momentum"):
         FloatingBase(arm, q, [np.nan] * 6)
     with pytest.raises(NonFiniteError, match="momentum"):

@@ -503,6 +503,17 @@ def test_demo_with_a_payload_that_the_drives_do_not_know(suite, tmp_path):
     assert "was at its effort limit for" in heavy.stderr
 
 
+def test_demo_of_a_capture_in_space(suite, tmp_path):
+    """The tip is where it should be in inertial space, and the momentum stays."""
+    options = ["--robot", "canadarm2", "--output", str(tmp_path)]
+    done = suite.run("robomech", "demo", *options, timeout=180)
+    assert done.returncode == 0, done.stderr
+    for proof in ("tip in inertial space:", "momentum after it: constant up to", "has moved by x"):
+        assert proof in done.stdout
+    assert "everything worked" in done.stdout
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["canadarm2.html", "canadarm2.png"]
+
+
 def test_demo_with_obstacles(suite, tmp_path):
     """Each motion is proved by the states that were published, and the direct one would hit."""
     options = ["--obstacles", "--robot", "ur5e", "--output", str(tmp_path)]

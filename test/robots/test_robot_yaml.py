@@ -65,6 +65,14 @@ def test_numbers_follow_yaml_1_2():
         ("name: arm", "name: arm\nname: arm", "the key 'name' is given twice", "line 2, column 1"),
         ("a: 1,", "", "missing key 'a'; allowed: name, type, a, alpha, b, d", "joint 1"),
         ("a: 1,", "A: 1,", "unknown key 'A'; allowed", "joint 1"),
+        (
+            "name: arm",
+            "name: arm\n"
+            "floating_base: {mass: 0, com: [0, 0, 0], inertia: {ixx: 1, iyy: 1, izz: 1}}",
+            "its mass is 0 kg, expected a positive number",
+            "floating_base",
+        ),
+        ("name: arm", "name: arm\nfloating_base: {mass: 1}", "missing key 'com'", "floating_base"),
         ("a: 1,", "a: one,", "a is 'one', expected a finite number", "joint 1 ('turn')"),
         ("a: 1,", "a: .nan,", "a is 'nan', expected a finite number", "joint 1 ('turn')"),
         ("a: 1,", "a: -.inf,", "a is '-inf'", "joint 1 ('turn')"),

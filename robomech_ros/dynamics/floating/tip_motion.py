@@ -24,7 +24,7 @@ from robomech_ros.spatial import (
     pose_error,
     rotation_vector_from_matrix,
 )
-from robomech_ros.spatial.arrays import as_single, check_kind
+from robomech_ros.spatial.arrays import as_flag, as_single, check_kind
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array, ArrayLike
 
@@ -150,6 +150,8 @@ def follow_floating_path(
     kept, start, _, grid = started(robot, pose, q, rates, duration, times)
     n, chain = robot.n, robot.chain
     _check_joints(robot)
+    _check_path(path)
+    limited = as_flag("velocity_limits", velocity_limits)
 
     def joint_rates(t: float, R: Array, joints: Array) -> tuple[Array, bool]:
         wanted, moving = path(t)
@@ -177,7 +179,7 @@ def follow_floating_path(
             raise RunAwayError(f"{SINGULAR} at {t:.6g} s")
         outside = np.maximum(chain.lower - joints, joints - chain.upper)
         _stop_at_limit(chain, outside, f"its position limit at {t:.6g} s")
-        if velocity_limits:
+        if limited:
             beyond = np.abs(speeds) - chain.velocity
             _stop_at_limit(chain, beyond, f"its velocity limit at {t:.6g} s")
 
@@ -200,6 +202,19 @@ def _ends(
     base, joints = as_pose(as_single("pose", pose, (4, 4))), as_single("q", q, (robot.n,))
     first = base @ forward_kinematics(robot.chain, joints)
     return first, first if goal is None else as_pose(as_single("goal", goal, (4, 4)), what="goal")
+
+
+def _check_path(path: FloatingPath) -> None:
+    """Refuse what does not return a pose and a twist."""
+    expected = "a function of the time that returns a pose (4, 4) and a twist (6,)"
+    if not callable(path):
+        raise BadValueError("path", path, expected)
+    try:
+        pose, twist = path(0.0)
+    except (TypeError, ValueError) as error:
+        raise BadValueError("path", str(error), expected) from None
+    as_pose(as_single("pose of the path", pose, (4, 4)))
+    as_single("twist of the path", twist, (6,))
 
 
 def _check_joints(robot: FloatingChain) -> None:

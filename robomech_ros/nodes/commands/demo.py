@@ -100,6 +100,7 @@ def _check_folder(folder: Path) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the demonstration; returns 0 if every step of it succeeded, else 1."""
     own = _kind(args)
+    floats = kind_of(args.robot) == ARM and _floats(args)
     if args.payload and not args.dynamic:
         raise BadValueError("--payload", args.payload, "0 without --dynamic: nothing has mass")
     if not 0.0 <= args.payload <= HEAVIEST_PAYLOAD:
@@ -124,7 +125,7 @@ def run(args: argparse.Namespace) -> int:
 
             demonstrate_obstacles(which, args.output)
             return
-        if kind_of(args.robot) == ARM and _floats(args):
+        if floats:
             from robomech_ros.nodes.demonstration.capture_session import demonstrate_capture
 
             demonstrate_capture(which, args.output)

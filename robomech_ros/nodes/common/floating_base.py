@@ -11,6 +11,7 @@ from robomech_ros.nodes.common.parameters import ParameterError, parameter
 from robomech_ros.nodes.common.robot_description import RobotModel, RobotSettings
 from robomech_ros.outcomes import Code
 from robomech_ros.robots import Body, SerialChain
+from robomech_ros.robots.bodies import combine_bodies
 
 AUTO, ALWAYS, NEVER = "auto", "always", "never"
 
@@ -22,7 +23,7 @@ class FloatingSettings(RobotSettings):
     floating_base: str = parameter(
         AUTO,
         "Whether the base floats freely, as in space: auto = if the robot's document has a "
-        "floating_base, always = with the mass of the root link, never = it is fixed",
+        "floating_base, always = with the masses of the links fixed to it, never = it is fixed",
         choices=(AUTO, ALWAYS, NEVER),
     )
 
@@ -61,15 +62,19 @@ class FloatingRobot:
     @cached_property
     def _body(self) -> Body:
         description, fixed = self._model.description, self._model.fixed_frames
-        root = description.root
-        body = description.floating_base or description.bodies.get(root)
-        if body is None or root not in fixed:
+        own = description.bodies
+        if description.floating_base is not None and description.root in fixed:
+            own = {description.root: description.floating_base}
+        parts = [own[link].expressed_in(T) for link, T in fixed.items() if link in own]
+        body = combine_bodies(parts)
+        if body is None:
+            base = self._model.chain.base
             text = (
-                f"the base '{self._model.chain.base}' floats, and link '{root}' has no mass and "
-                f"inertia; give them in the robot's description, or set floating_base to {NEVER}"
+                f"the base '{base}' floats, and no link fixed to it has a mass and inertia; give "
+                f"them in the robot's description, or set floating_base to {NEVER}"
             )
             raise OutcomeError(Code.MISSING_INERTIA, text)
-        return body.expressed_in(fixed[root])
+        return body
 
 
 def check_momentum(momentum: Sequence[float]) -> None:

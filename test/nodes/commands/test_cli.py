@@ -320,6 +320,7 @@ def test_the_demo_says_of_a_hand_that_it_has_none(capfd, tmp_path):
         ("mecanum", ["--dynamic"], "--dynamic does not apply to 'mecanum', a rolling robot"),
         ("go1", ["--srdf", "x"], "--srdf does not apply to 'go1', a walking machine"),
         ("delta", ["--group", "x"], "--group does not apply to 'delta', a parallel robot"),
+        ("canadarm2", ["--dynamic"], "--dynamic is 'canadarm2', expected a robot on a fixed base"),
         ("mecanun", [], "unknown robot 'mecanun' (did you mean 'mecanum'?)"),
         ("/no/such.urdf", [], "/no/such.urdf: No such file"),
     ],

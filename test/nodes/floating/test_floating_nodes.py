@@ -2,6 +2,7 @@
 
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -26,13 +27,16 @@ from robomech_interfaces.srv import (
 from robomech_ros.dynamics import FloatingChain
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.nodes.common.floating_base import FloatingRobot, FloatingSettings
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
+from robomech_ros.nodes.common.robot_description import RobotModel
 from robomech_ros.nodes.dynamics.node import DynamicsNode
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
-from robomech_ros.robots import load_description, load_robot
-from robomech_ros.spatial import pose_error, quaternion_from_matrix
+from robomech_ros.robots import Body, load_description, load_robot
+from robomech_ros.rvs.model.floating_tree import CAPTURED, CRAFT, floating_tree, free_joints
+from robomech_ros.spatial import pose_error, pose_exponential, quaternion_from_matrix
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "dynamics"))
 from arms_with_bodies import pinocchio_of
@@ -228,7 +232,7 @@ def test_efforts_are_those_of_the_free_flyer(graph, flyer):
         (
             JointTrajectoryControllerNode,
             {"robot_description": "general6r", "floating_base": "always"},
-            "has no mass",
+            "no link fixed to it has a mass",
         ),
     ],
 )
@@ -263,4 +267,25 @@ def test_requests_that_cannot_be_served_get_code_and_text(graph):
     assert "its base floats" in mixed.error_msg
     empty = graph.ask(MassMatrix, "dynamics/mass_matrix", state=JointState(position=[0.1] * 6))
     assert empty.error_code == ErrorCode.MISSING_INERTIA
-    assert "has no mass" in empty.error_msg
+    assert "no link fixed to it has a mass" in empty.error_msg
+
+
+def test_the_base_of_a_urdf_can_float():
+    settings = FloatingSettings(floating_base="always")
+    body = Body(30.0, np.zeros(3), np.eye(3))
+    known = load_description("ur5e")
+    description = replace(known, bodies={**known.bodies, known.root: body})
+    floating = FloatingRobot(RobotModel(description, settings), settings)
+    base = floating.carrying(load_robot("ur5e")).base
+    assert base.mass == 30.0
+    assert not FloatingRobot(RobotModel(description), FloatingSettings()).floats
+
+
+def test_a_captured_body_and_the_craft_are_drawn_where_they_are():
+    box = Body(600.0, np.zeros(3), 100.0 * np.eye(3))
+    tree = floating_tree(load_description("canadarm2"), BASE, box)
+    poses = pose_exponential([[0.1, 0.2, -0.3, 1.0, 2.0, 3.0], [0.2, 0.4, -0.6, 0.0, 1.0, 0.0]])
+    for name, link in ((CRAFT, "base_link"), (CAPTURED, "captured_body")):
+        for k, pose in enumerate(poses):
+            at = {joint: values[k] for joint, values in free_joints(name, poses).items()}
+            np.testing.assert_allclose(tree.link_poses(at)[link], pose, atol=1e-12)
