@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
-from robomech_ros.dynamics import FloatingChain
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.common.error_codes import OutcomeError
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
@@ -12,6 +12,9 @@ from robomech_ros.nodes.common.robot_description import RobotModel, RobotSetting
 from robomech_ros.outcomes import Code
 from robomech_ros.robots import Body, SerialChain
 from robomech_ros.robots.bodies import combine_bodies
+
+if TYPE_CHECKING:
+    from robomech_ros.dynamics import FloatingChain
 
 AUTO, ALWAYS, NEVER = "auto", "always", "never"
 
@@ -45,7 +48,7 @@ class FloatingRobot:
             allowed = f"{AUTO} or {NEVER}: '{model.chain.name}' is no arm"
             raise ParameterError("floating_base", wanted, allowed)
 
-    def carrying(self, chain: SerialChain) -> FloatingChain:
+    def carrying(self, chain: SerialChain) -> "FloatingChain":
         """Return a chain with all joints of the configured one on the floating base.
 
         Raises
@@ -57,6 +60,9 @@ class FloatingRobot:
         if chain.joint_names != configured.joint_names:
             expected = f"a link that all joints of '{configured.name}' move: its base floats"
             raise BadValueError("tip_link", chain.tip, expected)
+        # Compiled code is loaded only for such a robot.
+        from robomech_ros.dynamics import FloatingChain
+
         return FloatingChain(chain, self._body)
 
     @cached_property

@@ -1,5 +1,7 @@
 """The simulated arm on a floating base, which reacts to the motion of the joints."""
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
@@ -48,6 +50,8 @@ class FloatingArm(SimulatedRobot):
         The initial position does not fit the robot, or forces of drives are to be simulated.
     """
 
+    floats = True
+
     def __init__(
         self, robot: FloatingChain, settings: ControllerSettings, clock: MotionClock
     ) -> None:
@@ -74,6 +78,12 @@ class FloatingArm(SimulatedRobot):
         super().reset(text)
         self.base = FloatingBase(self._robot, self._start, self._momentum)
         self._capture(self._settings)
+
+    def publications(
+        self, node: Node, model: RobotModel, settings: ControllerSettings
+    ) -> Sequence[Callable[[tuple[int, int]], None]]:
+        """Publish the base, too."""
+        return (BasePublisher(node, self, model, settings).publish,)
 
     def carry(self, settings: ControllerSettings) -> None:
         """Capture the payload of these settings, or release it."""

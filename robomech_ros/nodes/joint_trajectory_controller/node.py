@@ -31,7 +31,6 @@ from robomech_ros.nodes.joint_trajectory_controller.diagnostics import (
     gripper_condition,
     robot_condition,
 )
-from robomech_ros.nodes.joint_trajectory_controller.floating_robot import BasePublisher, FloatingArm
 from robomech_ros.nodes.joint_trajectory_controller.goal_server import ExecuteMessages, GoalServer
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper, gripper_of
 from robomech_ros.nodes.joint_trajectory_controller.gripper.interfaces import serve_gripper
@@ -143,8 +142,8 @@ class JointTrajectoryControllerNode(Node):
         self._control_cycle = ControlCycle(
             self, commanded, model, settings, publish_control, self._servers, self._shutdown.look
         )
-        if isinstance(robot, FloatingArm):
-            self._control_cycle.also_publish(BasePublisher(self, robot, model, settings).publish)
+        for publish in robot.publications(self, model, settings):
+            self._control_cycle.also_publish(publish)
         if model.legged is not None and settings.walk_efforts_topic:
             states = self._control_cycle.states
             states.reported = ReportedEfforts(
@@ -189,7 +188,7 @@ class JointTrajectoryControllerNode(Node):
 
     def _check(self, settings: ControllerSettings) -> None:
         """Refuse faults, payloads and objects that the robot cannot have."""
-        check_simulation(settings, isinstance(self._robot, FloatingArm))
+        check_simulation(settings, self._robot is not None and self._robot.floats)
         if self._robot is None:
             return
         self._faults(settings)
@@ -232,6 +231,9 @@ def _robot(model: RobotModel, settings: ControllerSettings, clock: MotionClock) 
         return legged_robot(model.legged, settings, clock)
     floating = FloatingRobot(model, settings)
     if floating.floats:
+        # Compiled code is loaded only where it is needed.
+        from robomech_ros.nodes.joint_trajectory_controller.floating_robot import FloatingArm
+
         return FloatingArm(floating.carrying(model.chain), settings, clock)
     if model.mechanism is None:
         return serial_robot(model.chain, settings, clock)

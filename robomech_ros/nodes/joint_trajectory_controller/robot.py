@@ -22,9 +22,12 @@ from robomech_ros.trajectory.limits import JointLimits, Limits
 from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
+
+    from rclpy.node import Node
 
     from robomech_ros.dynamics import DynamicSystem
+    from robomech_ros.nodes.common.robot_description import RobotModel
     from robomech_ros.nodes.joint_trajectory_controller.dynamic_plant import DynamicPlant
     from robomech_ros.walking import LeggedRobot
 
@@ -46,7 +49,14 @@ class SimulatedRobot(CommandedJoints):
         The drives and what they move, where forces are simulated.
     start : ndarray, optional
         Where all joints are at start (rad or m), if others than these n are published, too.
+
+    Attributes
+    ----------
+    floats : bool
+        Whether its base moves freely.
     """
+
+    floats = False
 
     def __init__(
         self,
@@ -66,6 +76,12 @@ class SimulatedRobot(CommandedJoints):
     def _assume(self, real: Array) -> None:
         if self._plant is not None:
             self._plant.assume(real)
+
+    def publications(
+        self, node: "Node", model: "RobotModel", settings: ControllerSettings
+    ) -> "Sequence[Callable[[tuple[int, int]], None]]":
+        """Return what else is published with each joint state, by its stamp (s and ns)."""
+        return ()
 
     @property
     def dynamic(self) -> bool:
