@@ -4,6 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 from nav_msgs.msg import Odometry
+from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.srv import PlanCartesian, PlanJoint, SolveIK
 from robomech_ros.dynamics import FloatingChain, with_payload
@@ -78,7 +80,7 @@ class CaptureTask:
     def __init__(self, client: DemoClient, robot: FloatingChain, reporter: Reporter) -> None:
         self._client, self._robot, self._reporter = client, robot, reporter
         size = arm_size(robot.chain)
-        self._size, mass, self._side = size, _MASS * robot.mass, _SIDE * size
+        self._size, mass, self._side = size, min(_MASS * robot.mass, 1000.0), _SIDE * size
         inertia = mass * self._side**2 / 6.0 * np.eye(3)
         self.captured = Body(mass, np.zeros(3), inertia)
         self.marks: list[tuple[float, str]] = []
@@ -224,8 +226,8 @@ class CaptureTask:
                 momenta.append((inside.reshape(2, 3) @ T[:3, :3].T).ravel())
         return np.array(found[0]), np.array(found[1])
 
-    def _execute(self, name: str, trajectory: object) -> None:
-        points = trajectory.points  # type: ignore[attr-defined]
+    def _execute(self, name: str, trajectory: JointTrajectory) -> None:
+        points = trajectory.points
         goal = np.array(points[-1].positions)
         end = points[-1].time_from_start
         seconds, start = end.sec + end.nanosec / NANO, self._client.now()
@@ -251,7 +253,7 @@ class CaptureTask:
     def _mark(self, name: str) -> None:
         self.marks.append((self._client.now(), name))
 
-    def _present(self) -> object:
+    def _present(self) -> JointState:
         return joint_state(self._robot.chain.joint_names, self._client.present)
 
     def _odometry(self, message: Odometry) -> None:

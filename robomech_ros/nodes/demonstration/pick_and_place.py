@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from rcl_interfaces.srv import SetParametersAtomically
-from rclpy.parameter import Parameter as NodeParameter
+from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
@@ -64,9 +64,7 @@ def change_parameters(client: DemoClient, values: Mapping[str, float | Sequence[
     DemoFailedError
         The controller refuses one.
     """
-    parameters = [
-        NodeParameter(name, value=value).to_parameter_msg() for name, value in values.items()
-    ]
+    parameters = [Parameter(name, value=value).to_parameter_msg() for name, value in values.items()]
     result = client.ask(_SERVICE, SetParametersAtomically.Request(parameters=parameters)).result
     if not result.successful:
         raise DemoFailedError(f"{', '.join(values)}: {result.reason}")

@@ -10,8 +10,8 @@ import pinocchio
 import pytest
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
-from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParametersAtomically
+from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from trajectories import waypoints
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -157,19 +157,16 @@ def test_the_tip_arrives_in_inertial_space_and_captures_a_body(graph, flyer):
 
 def capture(graph, record):
     """A body of 500 kg at 0.1 m/s is fixed to the tip."""
-    numbers = {"payload_com": [0.0, 0.0, 0.5], "payload_velocity": [0.0, 0.1, 0.0]}
-    kinds = {ParameterType.PARAMETER_DOUBLE_ARRAY: "double_array_value"}
-    values = [
-        Parameter(name=name, value=ParameterValue(type=kind, **{field: value}))
-        for name, value in numbers.items()
-        for kind, field in kinds.items()
-    ]
-    mass = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=500.0)
-    values.append(Parameter(name="payload_mass", value=mass))
+    values = {
+        "payload_mass": 500.0,
+        "payload_com": [0.0, 0.0, 0.5],
+        "payload_velocity": [0.0, 0.1, 0.0],
+    }
+    parameters = [Parameter(name, value=one).to_parameter_msg() for name, one in values.items()]
     service = "joint_trajectory_controller/set_parameters_atomically"
     T, _, q, _ = record.states()[-1]
     known = set(record.base)
-    assert graph.ask(SetParametersAtomically, service, parameters=values).result.successful
+    assert graph.ask(SetParametersAtomically, service, parameters=parameters).result.successful
     record.wait(lambda one: len(one.base.keys() - known) > 20)
     after, twist, _, _ = record.states()[-1]
     # The whole drifts as one body, with the momentum of the captured one.
