@@ -22,8 +22,9 @@ def settle_pages() -> int:
     """Drop the unchanged pages of files, 70 MB of them, and gather the heap in huge pages.
 
     LLVM was needed to load the kernels, whose modules go first, and many other libraries only to
-    begin. The system reads again what is needed again, mostly from its page cache. After a pause, a request spends most of
-    its time on looking up pages: in huge ones it is answered 15 % sooner, for 4 MB more.
+    begin. The system reads again what is needed again, mostly from its page cache. After a pause,
+    a request spends most of its time on looking up pages: in huge ones it is answered 15 % sooner,
+    for 4 MB more.
 
     Returns
     -------
