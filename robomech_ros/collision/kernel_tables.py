@@ -53,15 +53,15 @@ def fill_tables(
         row = [one.frame, end - count, end, kind, one.body.exact]
         bodies.append([*row, corner, one.body.radius, one.body.hull_kind])
         corner += len(one.body.corners)
-    within = np.array([one.body.pose for one in placed]).reshape(-1, 4, 4)
+    shapes = np.array([one.body.pose for one in placed]).reshape(-1, 4, 4)
     sizes = np.array([one.body.sizes for one in placed]).reshape(-1, 3)
-    wholes = _bodies_around_groups(placed, of_spheres, spheres, pairs, grids[0])
+    enclosing = _bodies_around_groups(placed, of_spheres, spheres, pairs, grids[0])
     tables = Tables(
         joints,
-        np.concatenate([np.array(bodies, dtype=np.float64).reshape(-1, 8), wholes[0]]),
-        np.concatenate([around, wholes[1]]),
+        np.concatenate([np.array(bodies, dtype=np.float64).reshape(-1, 8), enclosing[0]]),
+        np.concatenate([around, enclosing[1]]),
         spheres,
-        np.concatenate([_as_rows(poses @ within), sizes], axis=1),
+        np.concatenate([_as_rows(poses @ shapes), sizes], axis=1),
         _as_rows(poses),
         pairs,
         *_hulls(placed, poses),
@@ -121,11 +121,10 @@ def list_pairs(
         order[i + 1] = [i + 1, *order[parent]]
         above[i + 1] = set(order[i + 1])
     sides = [_side(placed, k) for k in range(len(placed))]
-    parts: dict[str, list[int]] = {}
+    parts: dict[tuple[str, int, bool], list[int]] = {}
     for k, one in enumerate(placed):
-        parts.setdefault(one.owner, []).append(k)
+        parts.setdefault((one.owner, one.frame, len(one.spheres) > 0), []).append(k)
     rows, groups = [], dict[tuple[tuple[str, int], ...], int]()
-    # All bodies of an owner have the same frame, and all of them have spheres or none has.
     for firsts, seconds in itertools.combinations(parts.values(), 2):
         one, other = placed[firsts[0]], placed[seconds[0]]
         if not len(one.spheres) or one.frame == other.frame or not checked(one, other):

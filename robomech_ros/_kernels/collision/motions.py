@@ -205,6 +205,7 @@ def _judge(tables, posture, part, curve, p, limits, finest):
     if bound - travel > keep:
         return _CLEAR
     if travel > max(limits[1], bound + around[a, 3] + around[b, 3]):
+        # Bodies that may change places: nothing is shown before this part is halved.
         return _HALVE
     low, moving, high = _spheres_moved(tables, posture, p)
     if moving > keep:
