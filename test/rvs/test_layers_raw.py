@@ -13,6 +13,7 @@ from raw_client import PATIENCE, inside_limits, send_value, slider, wait_until
 from robomech_ros.robots import load_description
 from robomech_ros.rvs.model.dh_editing import table_of
 from robomech_ros.rvs.model.dh_frames import dh_frames
+from robomech_ros.rvs.page.robot_nodes import FADED
 
 
 def control(page, label):
@@ -81,8 +82,11 @@ def test_dh_frames_follow_the_arm_and_go(page, commander):
     lines, labels = layer._nodes._lines, layer._nodes._labels
     wait_until(lambda: np.allclose(lines["axes"].points, expected.axes, atol=1e-6))
     assert {one.text for one in labels if one.visible} == {*expected.names}
+    bodies = [node for _, node, _ in page._stage._robot._bodies]
+    assert {node.opacity for node in bodies} == {FADED}
     send_value(commander, switch._impl.uuid, False)
     wait_until(lambda: not any(one.visible for one in (*lines.values(), *labels)))
+    assert FADED not in {node.opacity for node in bodies}
     alive(page, commander)
 
 

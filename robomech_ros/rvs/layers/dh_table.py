@@ -104,7 +104,7 @@ class DHTableLayer(Layer):
         self._heir: DHTableLayer | None = None
         self._closed = False
         self._kept["layer"] = self
-        self._version, self._typed, self._degrees = 0, False, False
+        self._version, self._typed, self._degrees, self._faded = 0, False, False, False
         self._known = None if place.chain.coupling is not None else table_of(place.chain)
         self._nodes = DHFrameNodes(place.server.scene, place.base, place.seen.reach)
         if self._known is not None:
@@ -114,6 +114,9 @@ class DHTableLayer(Layer):
         """Bring back the numbers that were typed over and refused, and let the frames follow."""
         if self._known is not None:
             on, reach = self._switches["frames"], self._place.seen.reach
+            if on != self._faded:
+                self._faded = on
+                self._place.fade(on)
             self._nodes.show(dh_frames(self._known, self._place.arm.q, reach) if on else None)
         if self._typed or self._degrees != self._place.units.degrees:
             self._typed = False

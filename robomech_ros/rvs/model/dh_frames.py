@@ -11,7 +11,7 @@ from robomech_ros.robots.dh_table import link_transforms
 from robomech_ros.typing import Array
 
 # Axes are drawn so far beyond the points between which they matter, in the reach of the robot.
-_BEYOND = 0.08
+_BEYOND = 0.15
 # Lengths below this (m) are no segments.
 _NONE = 1e-9
 

@@ -10,7 +10,7 @@ from robomech_ros.rvs.model.dh_frames import DHFrames
 from robomech_ros.typing import Array
 
 # Length of a triad, and widths of lines, in the reach of the robot.
-_TRIAD, _WIDTH, _THIN = 0.07, 0.006, 0.003
+_TRIAD, _WIDTH, _THIN = 0.1, 0.01, 0.005
 _XYZ = ((225, 55, 55), (55, 170, 70), (50, 105, 230))
 _AXIS, _OFFSET, _NORMAL = (130, 130, 130), (120, 80, 200), (240, 140, 30)
 

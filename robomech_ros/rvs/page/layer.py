@@ -112,6 +112,8 @@ class LayerContext:
     separate : callable
         Draws the arm as a goal, translucent, beside the robot, which is the caller's to move from
         then on; gives the nodes of the robot and of the goal.
+    fade : callable
+        Draws the robot translucent, or as it is.
     path : callable
         Gives the name of the node of a link.
     units : Units
@@ -139,6 +141,7 @@ class LayerContext:
     kept: dict[str, Any]
     reveal: Callable[[bool], None]
     separate: Callable[[], tuple[RobotNodes, RobotNodes]]
+    fade: Callable[[bool], None]
     path: Callable[[str], str]
     units: Units
     extents: dict[str, Callable[[], Array]] = field(default_factory=dict)

@@ -116,6 +116,7 @@ class RobotPage(ServedPage):
             kept=self._kept,
             reveal=self._reveal,
             separate=self._stage.separate,
+            fade=self._stage.fade,
             path=self._stage.path,
             units=self._units,
         )

@@ -20,6 +20,8 @@ ROOT = "/robot"
 FRAME_LENGTH, FRAME_RADIUS = 0.09, 0.0035
 AXIS_LENGTH, AXIS_RADIUS = 0.3, 0.0035
 AXIS_COLOUR = (250, 200, 30)
+# Opacity of bodies that hide what is inside them.
+FADED = 0.3
 # Of bodies that are in the way.
 MARKED = (220, 40, 40)
 
@@ -52,6 +54,7 @@ class RobotNodes:
         self._axes: list[Any] = []
         self._paths: dict[str, str] = {}
         self._bodies: list[tuple[str, Any, tuple[int, ...]]] = []
+        self._opacities: list[float | None] = []
         self._marked: frozenset[str] = frozenset()
         self._add_links(scene)
         self._add_bodies(scene)
@@ -92,6 +95,7 @@ class RobotNodes:
             look: dict[str, Any] = {"flat_shading": True, "side": "double", **placed(body.pose)}
             node = add_mesh(scene, name, body.solid, shade, alpha, **look)
             self._bodies.append((body.link, node, shade))
+            self._opacities.append(node.opacity)
 
     def mark(self, links: Iterable[str]) -> None:
         """Draw the bodies of these links red, and of no others."""
@@ -100,6 +104,11 @@ class RobotNodes:
             if (link in marked) != (link in self._marked):
                 node.color = MARKED if link in marked else own
         self._marked = marked
+
+    def fade(self, faded: bool) -> None:
+        """Draw all bodies translucent, or as they are."""
+        for (_, node, _), own in zip(self._bodies, self._opacities, strict=True):
+            node.opacity = FADED if faded else own
 
     def move(self, positions: Mapping[str, float]) -> None:
         """Put the joints where they are (rad or m, by name); what stays is not sent again."""

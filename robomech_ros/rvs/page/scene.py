@@ -82,6 +82,10 @@ class PageScene:
             self._arm = RobotNodes(self._server.scene, self._seen, GOAL_ROOT, GOAL_TINT)
         return self._robot, self._arm
 
+    def fade(self, faded: bool) -> None:
+        """Draw the robot translucent, or as it is."""
+        self._robot.fade(faded)
+
     def path(self, link: str) -> str:
         """Return the name of the node of a link of the robot."""
         return self._robot.path(link)
