@@ -13,7 +13,7 @@ from robomech_ros.rolling.argument_checks import duration as checked_duration, o
 from robomech_ros.rolling.dynamics import RollingDynamics
 from robomech_ros.rolling.steering_motion import SteeringMotion
 from robomech_ros.spatial.arrays import check_kind
-from robomech_ros.typing import Array, ArrayLike
+from robomech_ros.typing import Array, ArrayLike, IntArray
 
 # From the time (s), the twist (3,) and the brackets' angles (c,), and the SteeringMotion of a base
 # with steered wheels, to torques (k + s,) (N m).
@@ -120,25 +120,9 @@ def simulate_rolling(
     parts = [one_vector("pose", pose, 3), coordinates @ start, angles, turning, psi, np.zeros(1)]
     ends = np.cumsum([3, m, count, count, c])
 
-    def derivative(t: float, y: Array) -> Array:
-        at, rates, beta, beta_rates, bracket, _ = np.split(y, ends)
-        now, turned = dynamics.free @ rates, SteeringMotion(beta, beta_rates)
-        drive = np.zeros(len(dynamics.motors))
-        if torques is not None:
-            given = torques(t, now, bracket, *([turned] if count else []))
-            drive = one_vector("torques", given, len(drive))
-        state = dynamics.moving(now, bracket, turned, strict=False)
-        change = state.accelerations(drive, np.zeros(3))
-        cosine, sine = np.cos(at[2]), np.sin(at[2])
-        moving = [cosine * now[1] - sine * now[2], sine * now[1] + cosine * now[2], now[0]]
-        power = drive @ (state.motor_rates @ state.independent.rates)
-        pivots = base.caster_rates(now, bracket)
-        return np.concatenate([
-            moving, coordinates @ change[:3], beta_rates, change[3:], pivots, [power]
-        ])  # fmt: skip
-
     t = np.linspace(0.0, time, samples)
     begin = np.concatenate(parts)
+    derivative = _derivative(dynamics, torques, ends)
     found = solve_ivp(derivative, (0.0, time), begin, "DOP853", t, rtol=_RTOL, atol=_ATOL)
     if not found.success or found.y.shape[1] != samples:
         raise BadValueError("motion", found.message, "one that can be integrated")
@@ -154,3 +138,32 @@ def simulate_rolling(
     )
     drift = float(np.abs(kinetic - kinetic[0] - work).max())
     return RollingSimulation(t, poses, twists, brackets_at, beta, beta_rates, kinetic, work, drift)
+
+
+def _derivative(
+    dynamics: RollingDynamics, torques: Torques | None, ends: IntArray
+) -> Callable[[float, Array], Array]:
+    """Return the rates of a state: pose, independent rates, steering, brackets, work.
+
+    ``ends`` are where these parts end, but the last one.
+    """
+    base, coordinates = dynamics.base, np.linalg.pinv(dynamics.free)
+
+    def derivative(t: float, y: Array) -> Array:
+        at, rates, beta, beta_rates, bracket, _ = np.split(y, ends)
+        now, turned = dynamics.free @ rates, SteeringMotion(beta, beta_rates)
+        drive = np.zeros(len(dynamics.motors))
+        if torques is not None:
+            given = torques(t, now, bracket, *([turned] if base.steered else []))
+            drive = one_vector("torques", given, len(drive))
+        state = dynamics.moving(now, bracket, turned, strict=False)
+        change = state.accelerations(drive, np.zeros(3))
+        cosine, sine = np.cos(at[2]), np.sin(at[2])
+        moving = [cosine * now[1] - sine * now[2], sine * now[1] + cosine * now[2], now[0]]
+        power = drive @ (state.motor_rates @ state.independent.rates)
+        pivots = base.caster_rates(now, bracket)
+        return np.concatenate([
+            moving, coordinates @ change[:3], beta_rates, change[3:], pivots, [power]
+        ])  # fmt: skip
+
+    return derivative
