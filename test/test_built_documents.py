@@ -112,18 +112,18 @@ def test_a_notebook_shows_its_scene(scene, tmp_path):
     (page,) = [one for one in READ if f'src="{scene.name}"' in one.read_text("utf-8")]
     frame = "document.querySelector('iframe.scene')"
     with opened(page) as tab:
-        tab.value(f"{frame}.scrollIntoView({{block: 'center'}})")
-        box = f"(b => [b.left, b.top, b.right, b.bottom])({frame}.getBoundingClientRect())"
-        left, top, right, bottom = tab.value(box)
-        assert right - left > 500
         deadline = time.monotonic() + 120.0
-        while colours(tab, tmp_path / "page.png", (left, top, right, bottom)) < DRAWN:
+        while colours(tab, tmp_path / "page.png", frame) < DRAWN:
             assert time.monotonic() < deadline, "the scene stays empty"
             tab.frames(5)
 
 
-def colours(tab, path, box):
-    """Count the colours in a part of what is seen."""
+def colours(tab, path, element):
+    """Count the colours of an element, which formulas above it may have moved."""
+    tab.value(f"{element}.scrollIntoView({{block: 'center', behavior: 'instant'}})")
+    box = f"(b => [b.left, b.top, b.right, b.bottom])({element}.getBoundingClientRect())"
+    left, top, right, bottom = tab.value(box)
+    assert right - left > 500
     tab.picture(path)
     with Image.open(path) as seen:
-        return len(seen.convert("RGB").crop(box).getcolors(1 << 24))
+        return len(seen.convert("RGB").crop((left, top, right, bottom)).getcolors(1 << 24))
