@@ -1,10 +1,8 @@
 """Arrange the memory pages of a started node: few of them, and the heap in large ones."""
 
 import ctypes
-import gc
 import mmap
 import re
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -21,10 +19,9 @@ _HUGE_PAGE = 2**21
 def settle_pages() -> int:
     """Drop the unchanged pages of files, 70 MB of them, and gather the heap in huge pages.
 
-    LLVM was needed to load the kernels, whose modules go first, and many other libraries only to
-    begin. The system reads again what is needed again, mostly from its page cache. After a pause,
-    a request spends most of its time on looking up pages: in huge ones it is answered 15 % sooner,
-    for 4 MB more.
+    LLVM was needed to load the kernels, and many other libraries only to begin. The system reads
+    again what is needed again, mostly from its page cache. After a pause, a request spends most of
+    its time on looking up pages: in huge ones it is answered 15 % sooner, for 4 MB more.
 
     Returns
     -------
@@ -37,24 +34,10 @@ def settle_pages() -> int:
         system.madvise.argtypes = (ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int)
     except (OSError, AttributeError):
         return 0
-    _release_modules()
     getattr(system, "malloc_trim", lambda padding: 0)(0)
     released = _release_files(mappings, system.madvise)
     _gather_heap(mappings, system.madvise)
     return released
-
-
-def _release_modules() -> None:
-    """Free the modules of LLVM that belong to loaded kernels, 15 MB of 25 kernels.
-
-    Numba keeps them to compile callers of the kernels later; ours have none, see `linked`.
-    """
-    codegen = sys.modules.get("numba.core.codegen")
-    if codegen is None:
-        return
-    for one in gc.get_objects():
-        if type(one) is codegen.JITCodeLibrary:
-            one._shared_module = None
 
 
 def _release_files(mappings: str, madvise: Callable[[int, int, int], int]) -> int:
