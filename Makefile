@@ -39,14 +39,12 @@ ANSWERING := $(PARALLEL) --ignore=test/nodes/motion test/nodes test/rvs
 # Two workers, as robots mostly wait. Where Fast DDS takes a process down while a participant leaves, the test that ran
 # is named, and the others go on; not so with --dist loadgroup, which then hangs.
 MOVING := -n 2 -rs $(LONGEST) test/nodes/motion
-# colcon compiles for a minute and a half and can wait.
-BUILT := test/installed/test_colcon.py
-INSTALLED := $(PARALLEL) --ignore=$(BUILT) test/installed
+INSTALLED := $(PARALLEL) test/installed
 # What takes long without computing: robots that move, browsers, processes.
 QUICK := --ignore=test/nodes/motion --ignore=test/rvs/in_chromium --ignore=test/installed
 LEFT := $(if $(shell command -v chrt),chrt --idle 0,nice -n 19)
 # Each prints when it has ended.
-AT_ONCE := $(MAKE) --no-print-directory -j3 -Otarget
+AT_ONCE := $(MAKE) --no-print-directory -j2 -Otarget
 # Options of pytest that choose tests.
 CHOSEN := -m "not long"
 
@@ -89,7 +87,7 @@ view: setup-demo ## see and move a robot in the browser, without ROS
 
 test: setup ## everything: lint, all tests, colcon, the other distribution
 	@echo "test: robots move and nodes answer while lint, the other distribution and what computes take the rest"
-	@$(AT_ONCE) installed beside colcon
+	@$(AT_ONCE) installed beside
 
 test-fast: setup ## what a developer runs again and again: one case of each test that is quick
 	$(PYTEST) -q -m "not slow and not long" --cases 1 $(PARALLEL) $(QUICK) test
@@ -150,7 +148,7 @@ lint: setup ## ruff, mypy and import-linter
 	$(BIN)/lint-imports
 
 colcon: setup ## build both packages with colcon in a scratch workspace and start a node from there
-	$(RUN) $(LEFT) $(VENV)/bin/python -m pytest -v $(PATIENT) $(BUILT)
+	$(PYTEST) -v test/installed/test_colcon.py
 
 bench: setup ## measure against Pinocchio, EAIK, ssik and others and a bare rclpy service, in .venv-bench; BENCH="--only view"
 	@$(call set_up,.venv-bench,--extra bench.txt)
