@@ -3,7 +3,7 @@
 import subprocess
 import sys
 
-# What third parties take on this platform is imported first.
+# Import third parties first, as this platform has them.
 CODE = """
 import os, sys
 import matplotlib.figure, numba, ruckig, scipy.optimize, scipy.spatial, yaml

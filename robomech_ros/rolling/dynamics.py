@@ -100,7 +100,7 @@ class RollingDynamics:
         driving = [body.max_torque for wheel, body in self._pairs if wheel.driven]
         turned = [body for wheel, body in self._pairs if wheel.kind == "steered"]
         self.max_torques = np.array([*driving, *(body.max_steering_torque for body in turned)])
-        # Of steered wheels about their pivots, with their brackets (kg m^2).
+        # Inertia of steered wheels about their pivots, with their brackets (kg m^2).
         self.pivot_inertias = np.array(
             [
                 body.turn + body.bracket_inertia + body.bracket_mass * body.bracket_centre**2
@@ -223,7 +223,7 @@ class RollingDynamics:
     ) -> Array:
         """Compute the acceleration that torques cause.
 
-        What coordinates steered wheels, a linkage or a control, does no work.
+        The linkage or control that coordinates steered wheels does no work.
 
         Parameters
         ----------

@@ -287,7 +287,7 @@ def test_a_base_reacts_to_joints_as_the_simulation_has_it(arm):
     expected = np.concatenate((np.cross(away, linear), linear))
     np.testing.assert_allclose(data.hg.vector[LINEAR_FIRST], expected, atol=1e-9)
     np.testing.assert_allclose(base.momentum, expected, atol=1e-9)
-    # What flies on is what it took along, and the base keeps its own.
+    # The released body keeps its momentum, and the base its own.
     before = base.rates.copy()
     base.capture(None)
     np.testing.assert_allclose(base.rates, before, atol=1e-15)

@@ -46,7 +46,7 @@ def test_every_block_runs_in_order(suite, bringup, outsider, repository, tmp_pat
         return done.stdout
 
     def at_rest():
-        """Where the joints are."""
+        """Return the positions of the joints."""
         found = outsider.wait_for_joints(lambda q: True)
         while np.abs(found.velocity).max() > 1e-9:
             found = outsider.wait_for_joints(lambda q: True)

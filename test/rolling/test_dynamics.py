@@ -158,7 +158,7 @@ def lagrange(moving):
         if wheel.kind in ("fixed", "steered"):
             (x, y), side = map(float, wheel.position), across(angle - heading)
             axles.append([x * side[1] - y * side[0], *side])
-    # What coordinates steered wheels: any three axles meet in one point.
+    # Coordination of steered wheels: any three axles meet in one point.
     triples = itertools.combinations(axles if base.steered else [], 3)
     meeting = sympy.Matrix([sympy.Matrix(three).det() for three in triples])
     if meeting:

@@ -31,7 +31,7 @@ from robomech_ros.typing import Array, ArrayLike
 FloatingPath = Callable[[float], tuple[Array, Array]]
 # Begins the reason of a motion that ends there.
 SINGULAR = "the generalised Jacobian is singular"
-# Of the integration; rounding of long paths is an order below.
+# Tolerance of the integration; rounding of long paths is an order below.
 _TOLERANCE = 1e-11
 # Feedback gain for the tip's pose error, times the duration.
 _RETURN = 2.0

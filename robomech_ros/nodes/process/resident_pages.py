@@ -44,7 +44,7 @@ def _release_files(mappings: str, madvise: Callable[[int, int, int], int]) -> in
     """Drop the unchanged pages of files; return their address space (bytes)."""
     released = 0
     for first, last, facts in _OF_FILE.findall(mappings):
-        # What was changed, such as relocated addresses, would be lost.
+        # Pages with changes, such as relocated addresses, would be lost.
         if all(fact.search(facts) for fact in _UNCHANGED):
             start, end = int(first, 16), int(last, 16)
             if madvise(start, end - start, mmap.MADV_DONTNEED) == 0:

@@ -67,7 +67,7 @@ def momentum(flyer, T, twist, q, qd):
 
 
 class Recording:
-    """What odom and joint_states say, by their stamps."""
+    """Collects the messages of odom and joint_states by their stamps."""
 
     def __init__(self, node):
         self.base, self.joints = {}, {}
