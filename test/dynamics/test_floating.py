@@ -334,7 +334,7 @@ def test_wrong_arguments_of_a_free_base_are_named(arm):
         **with_options(base.capture, body=Body(1.0, np.zeros(3), np.eye(3))),
     }
     for call in calls.values():
-        answered_or_refused(call, [*WRONG_VALUES, q, np.full(7, np.nan)])
+        answered_or_refused(call, [*WRONG_VALUES, q, 1e300 + q, np.full(7, np.nan)])
     for path in (lambda s: POSE, lambda s: (POSE, [1.0])):
         with pytest.raises((BadValueError, WrongSizeError), match="path"):
             follow_floating_path(arm, POSE, q, path, 1.0)

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from robomech_ros.dynamics.checked_states import as_vector
 from robomech_ros.dynamics.floating.chain import FloatingChain
 from robomech_ros.dynamics.floating.motion import Conserved, quaternion_rate, rotation
 from robomech_ros.dynamics.payload import with_payload
@@ -67,9 +68,9 @@ class FloatingBase:
     ) -> None:
         check_kind("robot", robot, FloatingChain, "a FloatingChain")
         self.robot = self._alone = robot
-        self._q, self._qd = as_single("q", q, (robot.n,)).copy(), np.zeros(robot.n)
+        self._q, self._qd = as_vector("q", q, robot.n).copy(), np.zeros(robot.n)
         self.pose = np.eye(4) if pose is None else as_pose(as_single("pose", pose, (4, 4)))
-        about = np.zeros(6) if momentum is None else as_single("momentum", momentum, (6,))
+        about = np.zeros(6) if momentum is None else as_vector("momentum", momentum, 6)
         R = self.pose[:3, :3]
         inside = np.concatenate((R.T @ about[:3], R.T @ about[3:]))
         self._restart(robot.rates(self._q, self._qd, inside))
@@ -95,7 +96,7 @@ class FloatingBase:
             An argument has a wrong value or shape.
         """
         n = self.robot.n
-        values, rates = as_single("q", q, (n,)), as_single("qd", qd, (n,))
+        values, rates = as_vector("q", q, n), as_vector("qd", qd, n)
         span = float(as_single("seconds", seconds, ()))
         if not 0.0 <= span <= _LONGEST:
             raise BadValueError("seconds", span, f"a time from 0 to {_LONGEST:g} s")
@@ -121,7 +122,7 @@ class FloatingBase:
         velocity : array_like, shape (3,), optional
             Of its mass centre before (m/s), in the inertial axes.  It does not turn.
         """
-        v = as_single("velocity", velocity, (3,))
+        v = as_vector("velocity", velocity, 3)
         if self.robot is not self._alone:
             self.robot = self._alone
             self._restart(self.rates)
