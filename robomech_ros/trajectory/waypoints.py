@@ -20,6 +20,7 @@ from robomech_ros.typing import Array
 _NANOSECONDS = 1e9
 # Samples nearer to each other (s) could become one when they are rounded to whole nanoseconds.
 _NEAREST = 2e-9
+_EPSILON = float(np.finfo(np.float64).eps)
 
 
 class PiecewiseTrajectory(Trajectory, Protocol):
@@ -127,8 +128,7 @@ def position_rounding(positions: Array) -> float:
     It multiplies errors of position by 60 / h^3 in its jerk, and by 60 / h^2 or less in its
     acceleration: this is 60 times the error, rad or m.
     """
-    reach = float(np.abs(positions).max(initial=1.0))
-    return 60.0 * float(np.finfo(np.float64).eps) * reach
+    return 60.0 * _EPSILON * float(np.abs(positions).max(initial=1.0))
 
 
 def _distinct_breaks(curve: PiecewisePolynomial, jerk_error: float) -> Array:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.one_pose import DISTANCES, MARKED, TARGET
 from robomech_ros._kernels.inverse.quality import CONDITION, MARGIN, ORIENTATION, POSITION, measure
@@ -24,6 +25,7 @@ from robomech_ros.typing import Array, BoolArray, IntArray
 NO_EXCESS = np.empty(0)
 NO_EXCESS.setflags(write=False)
 
+_measure = direct(measure)
 _WHOLE_WEIGHTS = np.ones(6)
 # Families that number the postures of arms that nearly are special ones.
 _MAY_BE_NAMED = ("three-parallel", "general-6r")
@@ -238,8 +240,8 @@ class InverseKinematicsResult(Printed):
     def _measured(self) -> Array:
         out = np.empty((4, len(self.q)))
         weights = _WHOLE_WEIGHTS if self.task == FULL_TASK else np.roll(self.task, 3) * 1.0
-        chain = self.chain
-        measure(chain.packed, self.target, weights, chain.lower, chain.upper, self.q, out)
+        chain, target, q = self.chain, *map(np.ascontiguousarray, (self.target, self.q))
+        _measure(chain.packed, target, weights, chain.lower, chain.upper, q, out)
         return out
 
     @property

@@ -1,7 +1,9 @@
 """Joint states and trajectories in messages, which match joints by name, as arrays in order."""
 
 import math
+from array import array
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import repeat
 from typing import Any
 
 import numpy as np
@@ -17,7 +19,6 @@ from robomech_ros.typing import Array
 
 # Point messages that are kept from one trajectory to the next, 1 kB each.
 _POINTS_KEPT = 2000
-_SLOTS = ("_positions", "_velocities", "_accelerations")
 
 
 def positions_by_name(
@@ -134,17 +135,15 @@ class TrajectoryPoints:
         new = [JointTrajectoryPoint() for _ in range(m - len(self._points))]
         points = self._points[:m] + new
         self._points += new[: max(0, _POINTS_KEPT - len(self._points))]
-        rows = [slice(k * n, (k + 1) * n) for k in range(m)]
-        # A part of Python's array is copied faster than a row of numpy's.  The setter of the field
-        # would copy it once more; its slot does not.
-        for slot, values in zip(_SLOTS, (positions, *rates), strict=False):
-            numbers = floats(values)
-            for point, row in zip(points, rows, strict=True):
-                setattr(point, slot, numbers[row])
-        if times is None:
-            return points
-        instants = np.rint(times * NANO).astype(np.int64).tolist()
-        for point, instant in zip(points, instants, strict=True):
+        # The parts of an empty list are empty.
+        q, v, a = [*map(floats, (positions, *rates)), array("d"), array("d")][:3]
+        instants = repeat(0) if times is None else np.rint(times * NANO).astype(np.int64).tolist()
+        row = slice(0, 0)
+        for point, instant in zip(points, instants, strict=False):
+            row = slice(row.stop, row.stop + n)
+            # A part of Python's array is copied faster than a row of numpy's.  The setter of the
+            # field would copy it once more; its slot does not.
+            point._positions, point._velocities, point._accelerations = q[row], v[row], a[row]
             time = point._time_from_start
             time._sec, time._nanosec = divmod(instant, NANO)
         return points

@@ -123,8 +123,9 @@ class TrajectoryPlannerNode(Node):
         goal, posture = self._motions.read_goal(request.goal)
         start = await self._start(request.start, settings)
         given = plan_points(self._motions.commanded(start), via, goal, self._limits)
-        free = self._limits.continuous & (not request.keep_turns)
-        points, turns = nearest_turns(given, free)
+        points, turns = given, np.zeros(given.shape, dtype=np.int64)
+        if self._limits.continuous.any() and not request.keep_turns:
+            points, turns = nearest_turns(given, self._limits.continuous)
         options = {**wanted, **settings.most, "usual_period": settings.sample_period}
         plan = partial(self._motions.through, points, start, posture, options)
         scene = await self._scene.of(self._motions.way, request.ignore_collisions)

@@ -144,6 +144,8 @@ def _check_size(values: Array, what: str, limits: Limits) -> None:
 
 def _instants(request: Any, profile: str, duration: float | None) -> list[float] | None:
     """Read which part of the duration is over at each via point; None where none says."""
+    if not request.via:
+        return None
     names = [f"via[{k}].time_from_start" for k in range(len(request.via))]
     seconds = [
         seconds_from_duration(point.time_from_start, name)

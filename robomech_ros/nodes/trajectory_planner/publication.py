@@ -6,6 +6,7 @@ from typing import Any
 
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
+from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
@@ -16,6 +17,8 @@ from robomech_ros.typing import Array
 
 # Pose messages that are kept from one path to the next, 2 kB each.
 _POSES_KEPT = 500
+# When the client has its answer, s: on few cores, work right after it is sent would hold it up.
+_ANSWERED = 0.002
 
 
 class PlanPublication:
@@ -42,6 +45,10 @@ class PlanPublication:
         self._trajectories = make(JointTrajectory, "~/planned_trajectory", event_callbacks=silent)
         on_match = PublisherEventCallbacks(matched=self._matched, use_default_callbacks=False)
         self._paths = make(Path, "~/planned_path", event_callbacks=on_match)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._timer = node.create_timer(
+            _ANSWERED, self._publish_late, clock=steady, autostart=False
+        )
         self._waiting: tuple[JointTrajectory, Callable[[], Array]] | None = None
         self._poses: list[PoseStamped] = []
         self._unsent: Callable[[], Array] | None = None
@@ -60,7 +67,11 @@ class PlanPublication:
         if self._node.executor is None:
             self.publish_waiting()
         else:
-            self._node.executor.create_task(self.publish_waiting)
+            self._timer.reset()
+
+    def _publish_late(self) -> None:
+        self._timer.cancel()
+        self.publish_waiting()
 
     def publish_waiting(self) -> None:
         """Publish the plan that is not published yet, if there is one."""

@@ -149,6 +149,8 @@ def first_violation(
 
 def _checked_rates(rates: Sequence[Rate]) -> tuple[Rate, ...]:
     """Check which rates are asked for."""
+    if rates is RATES:
+        return RATES
     given = listed("rates", rates, f"a list of {', '.join(RATES)}")
     for rate in given:
         as_choice("one of rates", rate, RATES)

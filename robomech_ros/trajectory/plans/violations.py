@@ -94,6 +94,8 @@ def end_violations(
         yield from _worst("start position", limits, 0, begin, first, wanted, slack)
     if to_rest:
         slacks, rest = LIMIT_SLACK * limits.scales, np.zeros(curve.joints)
+        if (np.abs(last[1:3]) <= slacks[:2]).all():
+            return
         for order, what in enumerate(("final velocity", "final acceleration"), 1):
             yield from _worst(what, limits, order, end, last[order], rest, slacks[order - 1])
 
