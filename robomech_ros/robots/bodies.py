@@ -136,21 +136,12 @@ def lump_bodies(
 ) -> tuple[Body | None, ...]:
     """Let the first joints of a chain carry along what is beyond them, standing where it rests.
 
-    Parameters
-    ----------
-    bodies : sequence of Body or None
-        What moves with each of n joints, in its frame.
-    packed : ndarray, shape (n + 1, 13)
-        The chain.
-    rest : ndarray, shape (n,)
-        Where its joints rest (rad or m).
-    count : int
-        How many joints there still are.
+    - ``bodies``: what moves with each of n joints, in its frame.
+    - ``packed``: the chain, shape (n + 1, 13).
+    - ``rest``: where its joints rest (rad or m), shape (n,).
+    - ``count``: how many joints there still are.
 
-    Returns
-    -------
-    tuple of Body or None
-        What moves with each of them; where there are none, nothing is kept.
+    Returns what moves with each of them; where there are none, nothing is kept.
     """
     kept, constants = list(bodies), unpack_chain(packed)
     for i in range(len(kept) - 1, max(count, 1) - 1, -1):
@@ -167,24 +158,14 @@ def pack_bodies(
 ) -> Array:
     """Lay out bodies as the kernels read them.
 
-    Parameters
-    ----------
-    bodies : sequence of Body or None
-        What moves with each of n joints, in its frame.
-    links : sequence of lists of str
-        Names of the links that each joint moves.
-    joints : sequence of str
-        Names of the joints.
+    - ``bodies``: what moves with each of n joints, in its frame.
+    - ``links``: names of the links that each joint moves.
+    - ``joints``: names of the joints.
 
-    Returns
-    -------
-    ndarray, shape (n, 10)
-        Mass (kg), centre of mass (m), and the moments xx, xy, xz, yy, yz, zz about it (kg m^2).
+    Returns rows (n, 10): mass (kg), centre of mass (m), and the moments xx, xy, xz, yy, yz, zz
+    about it (kg m^2).
 
-    Raises
-    ------
-    MissingInertiaError
-        Of some joints nothing is known that moves with them.
+    Raises MissingInertiaError: of some joints nothing is known that moves with them.
     """
     missing = [i for i, body in enumerate(bodies) if body is None or body.mass == 0.0]
     if missing:

@@ -40,17 +40,10 @@ def joint_transform(slides: bool, q: float) -> Array:
 def pack_chain(transforms: Array, types: IntArray) -> Array:
     """Lay out constant transforms and joint types as the kernels read them.
 
-    Parameters
-    ----------
-    transforms : ndarray, shape (n + 1, 4, 4)
-        C_0 .. C_n (m).
-    types : ndarray of int, shape (n,)
-        0 revolute, 1 prismatic.
+    - ``transforms``: C_0 .. C_n (m), shape (n + 1, 4, 4).
+    - ``types``: 0 revolute, 1 prismatic, shape (n,).
 
-    Returns
-    -------
-    ndarray, shape (n + 1, 13)
-        See :class:`robomech_ros.robots.SerialChain`.
+    Returns an array (n + 1, 13); see :class:`robomech_ros.robots.SerialChain`.
     """
     n = len(types)
     packed = np.empty((n + 1, 13))
@@ -64,15 +57,9 @@ def pack_chain(transforms: Array, types: IntArray) -> Array:
 def unpack_chain(packed: Array) -> Array:
     """Return the constant transforms C_0 .. C_n of a chain as it is packed.
 
-    Parameters
-    ----------
-    packed : ndarray, shape (n + 1, 13) or (n + 1, 17)
-        See :class:`robomech_ros.robots.SerialChain`.
+    - ``packed``: see :class:`robomech_ros.robots.SerialChain`, shape (n + 1, 13) or (n + 1, 17).
 
-    Returns
-    -------
-    ndarray, shape (n + 1, 4, 4)
-        In m; a copy.
+    Returns a copy, (n + 1, 4, 4) (m).
     """
     transforms = np.zeros((len(packed), 4, 4))
     transforms[:, :3, :3] = packed[:, 1:10].reshape(-1, 3, 3)

@@ -18,19 +18,11 @@ from robomech_ros.typing import Array
 def dh_document(chain: SerialChain, table: DHTable, source: str) -> str:
     """Write a table with the names, limits and home of a chain; its bodies and drives are left out.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-    table : DHTable
-        Of n joints of the same types.
-    source : str
-        Where the numbers come from.
+    - ``chain``: of n joints.
+    - ``table``: of n joints of the same types.
+    - ``source``: where the numbers come from.
 
-    Returns
-    -------
-    str
-        As :func:`load_robot` reads it, numbers to the last bit.
+    Returns text that :func:`load_robot` reads, numbers to the last bit.
     """
     links = [f"link_{k + 1}" for k in range(chain.n)]
     document: dict[str, Any] = {

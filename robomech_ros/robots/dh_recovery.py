@@ -22,15 +22,9 @@ INTERSECTING = 1e-12
 def recover_dh(packed: Array) -> DHTable:
     """Recover the table of a chain of at least one joint, revolute or prismatic.
 
-    Parameters
-    ----------
-    packed : ndarray, shape (n + 1, 13)
-        The chain as :func:`pack_chain` lays it out.
+    - ``packed``: the chain as :func:`pack_chain` lays it out, shape (n + 1, 13).
 
-    Returns
-    -------
-    DHTable
-        As :func:`dh_from_chain` describes it.
+    Returns the table that :func:`dh_from_chain` describes.
     """
     return table_of_axes(*_axes_at_zero(packed), packed[:-1, 0].astype(np.int64))
 
@@ -38,14 +32,10 @@ def recover_dh(packed: Array) -> DHTable:
 def table_of_axes(axes: Array, origins: Array, tip: Array | None, types: IntArray) -> DHTable:
     """Make the table of joint axes; without a pose of the tip it ends in the frame of the last.
 
-    Parameters
-    ----------
-    axes, origins : ndarray, shape (n, 3)
-        Unit vectors and points (m) of the axes, in the base, at the joint values 0.
-    tip : ndarray, shape (4, 4), or None
-        In the base (m).
-    types : ndarray of int, shape (n,)
-        0 revolute, 1 prismatic.
+    - ``axes``, ``origins``: unit vectors and points (m) of the axes, in the base, at the joint
+      values 0, shape (n, 3).
+    - ``tip``: in the base (m), shape (4, 4) or None.
+    - ``types``: 0 revolute, 1 prismatic, shape (n,).
     """
     frame = _first_frame(axes[0], origins[0])
     base = frame.copy()

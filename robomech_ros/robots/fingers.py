@@ -26,19 +26,13 @@ def finger_joints(
 ) -> tuple[Joint, ...]:
     """Find the joints of a gripper.
 
-    Parameters
-    ----------
-    description : RobotDescription
-        The robot.
-    chain : SerialChain
-        Its arm.
-    names : sequence of str, optional
-        The joints; by default those that move behind the last joint of the chain, and mimic none.
+    - ``description``: the robot.
+    - ``chain``: its arm.
+    - ``names``: the joints; by default those that move behind the last joint of the chain, and
+      mimic none.
 
-    Raises
-    ------
-    UnknownJointError
-        A name is not that of a joint which moves, mimics none, and is not on the chain.
+    Raises UnknownJointError: a name is not that of a joint which moves, mimics none, and is not on
+    the chain.
     """
     able = {
         joint.name: joint
@@ -81,26 +75,14 @@ class FingerOpening:
     is more than a turn, where they meet.  For two slides, of
     which one mimics the other, it is twice the joint's way from there.
 
-    Parameters
-    ----------
-    description : RobotDescription
-        The robot.
-    joints : tuple of Joint
-        What opens the gripper: joints with limits, which all stand at the same position.
-    links : tuple of str
-        A link of each finger.
-
-    Raises
-    ------
-    BadValueError
-        Not two links, a joint without limits, or the links do not part from each other.
-    UnknownLinkError
-        The robot does not have a link.
+    Raises BadValueError: not two links, a joint without limits, or the links do not part from each
+    other. UnknownLinkError: the robot does not have a link.
     """
 
-    description: RobotDescription
+    description: RobotDescription  #: The robot.
+    #: What opens the gripper: joints with limits, which all stand at the same position.
     joints: tuple[Joint, ...]
-    links: tuple[str, ...]
+    links: tuple[str, ...]  #: A link of each finger.
 
     def __post_init__(self) -> None:
         if len(self.links) != 2:

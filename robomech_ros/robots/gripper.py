@@ -15,18 +15,11 @@ from robomech_ros.robots.joint import Joint
 
 @dataclass(frozen=True, eq=False)
 class GripperModel:
-    """Finger joints that move together.
+    """Finger joints that move together."""
 
-    Parameters
-    ----------
-    joints : tuple of Joint
-        All at the same position.
-    opening : FingerOpening or None
-        Width between the fingers; None if it is not known. Then the value that moves the gripper
-        is the position of its joints.
-    """
-
-    joints: tuple[Joint, ...]
+    joints: tuple[Joint, ...]  #: All at the same position.
+    #: Width between the fingers; None if it is not known. Then the value that moves the gripper is
+    #: the position of its joints.
     opening: FingerOpening | None
 
     @property
@@ -67,17 +60,10 @@ class GripperModel:
 def commanded_fingers(joints: Sequence[Joint], name: str = "") -> tuple[Joint, ...]:
     """Return the finger joints that a command moves which names none.
 
-    Parameters
-    ----------
-    joints : sequence of Joint
-        Of the gripper.
-    name : str, optional
-        The one that is chosen; by default the only one, or both of two slides.
+    - ``joints``: of the gripper.
+    - ``name``: the one that is chosen; by default the only one, or both of two slides.
 
-    Raises
-    ------
-    UnknownJointError
-        The gripper has no joint of this name.
+    Raises UnknownJointError: the gripper has no joint of this name.
     """
     if name:
         chosen = tuple(joint for joint in joints if joint.name == name)
@@ -97,26 +83,17 @@ def gripper_model(
 ) -> GripperModel | None:
     """Find the gripper behind an arm.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        The arm.
-    names : sequence of str, optional
-        Joints of the gripper; by default as for :func:`~robomech_ros.robots.fingers.finger_joints`.
-    name : str, optional
-        The joint that moves; by default as for :func:`commanded_fingers`.
-    links : sequence of str, optional
-        Two links between which the width is measured; by default the last ones, if they are two.
+    - ``chain``: the arm.
+    - ``names``: joints of the gripper; by default as for
+      :func:`~robomech_ros.robots.fingers.finger_joints`.
+    - ``name``: the joint that moves; by default as for :func:`commanded_fingers`.
+    - ``links``: two links between which the width is measured; by default the last ones, if they
+      are two.
 
-    Returns
-    -------
-    GripperModel or None
-        None if the robot has no gripper, or one of several joints of which none is chosen.
+    Returns None if the robot has no gripper, or one of several joints of which none is chosen.
 
-    Raises
-    ------
-    UnknownJointError, UnknownLinkError
-        A name is not that of a joint of the gripper, or of a link.
+    Raises UnknownJointError, UnknownLinkError: a name is not that of a joint of the gripper, or of
+    a link.
     """
     joints = commanded_fingers(finger_joints(description, chain, names), name)
     if not joints:

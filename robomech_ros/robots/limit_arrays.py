@@ -26,19 +26,12 @@ _FORMS = "pairs (lower, upper) of shape {shape}, or a mapping with keys among " 
 def limit_arrays(limits: Mapping[str, ArrayLike] | ArrayLike | None, n: int) -> dict[str, Any]:
     """Read limits of n joints, rad or m over powers of s, N m or N.
 
-    Parameters
-    ----------
-    limits : mapping, array_like or None
-        Pairs of position limits, shape (n, 2), or a mapping of ``lower``, ``upper``,
-        ``velocity``, ``acceleration``, ``jerk``, ``effort`` to arrays of shape (n,) or to one
-        number for all joints.  None, for all or for an entry, is no limit.
-    n : int
-        Number of joints.
+    - ``limits``: pairs of position limits, shape (n, 2), or a mapping of ``lower``, ``upper``,
+      ``velocity``, ``acceleration``, ``jerk``, ``effort`` to arrays of shape (n,) or to one number
+      for all joints. None, for all or for an entry, is no limit.
+    - ``n``: number of joints.
 
-    Returns
-    -------
-    dict
-        An array of shape (n,) for each key; where there is no limit infinite positions, NaN else.
+    Returns an array (n,) for each key; where there is no limit infinite positions, NaN else.
     """
     if limits is None:
         limits = {}
@@ -83,16 +76,7 @@ def _with_missing(what: str, value: Any, missing: float, expected: str) -> Array
 
 
 def position_limits(lower: ArrayLike, upper: ArrayLike) -> tuple[Any, Any]:
-    """Turn limits so far out that they stand for none into infinite ones (rad or m).
-
-    Parameters
-    ----------
-    lower, upper : array_like
-
-    Returns
-    -------
-    lower, upper : float or ndarray
-    """
+    """Turn limits so far out that they stand for none into infinite ones (rad or m)."""
     lower, upper = np.asarray(lower, dtype=np.float64), np.asarray(upper, dtype=np.float64)
     return (
         np.where(lower <= -LARGEST_ANGLE, -np.inf, lower)[()],
@@ -103,12 +87,8 @@ def position_limits(lower: ArrayLike, upper: ArrayLike) -> tuple[Any, Any]:
 def check_limits(joint_names: tuple[str, ...], limits: Mapping[str, Array]) -> None:
     """Refuse limits that no joint can keep.
 
-    Parameters
-    ----------
-    joint_names : tuple of str
-        n joints.
-    limits : mapping
-        Of the six kinds to arrays of shape (n,).
+    - ``joint_names``: n joints.
+    - ``limits``: of the six kinds to arrays of shape (n,).
     """
     for key in ("lower", "upper"):
         if np.isnan(limits[key]).any():

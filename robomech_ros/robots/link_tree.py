@@ -18,20 +18,11 @@ _MOST_NAMES = 20
 
 @dataclass(frozen=True, eq=False)
 class LinkTree:
-    """Links and joints as a tree.
-
-    Parameters
-    ----------
-    links : tuple of str
-    joints : tuple of Joint
-        Each link but one is the child of one joint.
-    where : str
-        Where they come from, for messages.
-    """
+    """Links and joints as a tree."""
 
     links: tuple[str, ...]
-    joints: tuple[Joint, ...]
-    where: str
+    joints: tuple[Joint, ...]  #: Each link but one is the child of one joint.
+    where: str  #: Where they come from, for messages.
 
     @cached_property
     def to_parent(self) -> dict[str, Joint]:

@@ -38,26 +38,13 @@ class Coupling:
     """Positions of the m joints of a chain as a function of the values q (n,) of its drives.
 
     Joint i stands at ``gain[i] q[drive[i]] + offset[i]``.
-
-    Parameters
-    ----------
-    joint_names : tuple of str
-        All m joints from base to tip, followers included.
-    types : ndarray of int, shape (m,)
-        0 revolute, 1 prismatic.
-    drive : ndarray of int, shape (m,)
-        Index of the drive that moves each joint.
-    gain : ndarray, shape (m,)
-        1, or a ratio of rad and m.
-    offset : ndarray, shape (m,)
-        rad or m.
     """
 
-    joint_names: tuple[str, ...]
-    types: IntArray
-    drive: IntArray
-    gain: Array
-    offset: Array
+    joint_names: tuple[str, ...]  #: All m joints from base to tip, followers included.
+    types: IntArray  #: 0 revolute, 1 prismatic, shape (m,).
+    drive: IntArray  #: Index of the drive that moves each joint, shape (m,).
+    gain: Array  #: 1, or a ratio of rad and m, shape (m,).
+    offset: Array  #: rad or m, shape (m,).
 
     @property
     def matrix(self) -> Array:
@@ -173,15 +160,9 @@ def followers(joints: Iterable[Joint]) -> dict[str, MimicJoint]:
 def mimic_faults(joints: Iterable[Joint]) -> dict[str, str]:
     """Find mimic joints whose leader is missing, does not move or is the joint itself.
 
-    Parameters
-    ----------
-    joints : iterable of Joint
-        All joints of a robot.
+    - ``joints``: all joints of a robot.
 
-    Returns
-    -------
-    dict of str to str
-        What is wrong, by joint.
+    Returns what is wrong, by joint.
     """
     by_name = {joint.name: joint for joint in joints}
     faults: dict[str, str] = {}

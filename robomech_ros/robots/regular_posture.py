@@ -41,21 +41,14 @@ def regular_posture(
 ) -> Array:
     """Return a posture far from singular ones and from the limits, near the middle of these.
 
-    Parameters
-    ----------
-    packed : ndarray, shape (n + 1, 13)
-        The chain as :func:`pack_chain` lays it out.
-    types : ndarray of int, shape (n,)
-        0 revolute, 1 prismatic.
-    lower, upper : ndarray, shape (n,)
-        Limits (rad or m), infinite where there is none.
-    joint_values : callable, optional
-        Gives the values (k, m) of all joints on the chain at those (k, n) that move by themselves.
+    - ``packed``: the chain as :func:`pack_chain` lays it out, shape (n + 1, 13).
+    - ``types``: 0 revolute, 1 prismatic, shape (n,).
+    - ``lower``, ``upper``: limits (rad or m), infinite where there is none, shape (n,).
+    - ``joint_values``: gives the values (k, m) of all joints on the chain at those (k, n) that move
+      by themselves.
 
-    Returns
-    -------
-    ndarray, shape (n,)
-        rad or m: the middle of the limits if that is regular, else rounded to hundredths.
+    Returns an array (n,) (rad or m): the middle of the limits if that is regular, else rounded to
+    hundredths.
     """
     n = len(lower)
     if not n:

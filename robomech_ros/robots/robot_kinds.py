@@ -54,17 +54,10 @@ def names_of(kind: str) -> tuple[str, ...]:
 def check_name(robot: object, kinds: Iterable[str]) -> None:
     """Refuse a name that no robot has; paths and texts of documents pass.
 
-    Parameters
-    ----------
-    robot : object
-        As for :func:`kind_of`.
-    kinds : iterable of str
-        The kinds that are wanted, of ``KINDS``, and ``ARM``.
+    - ``robot``: as for :func:`kind_of`.
+    - ``kinds``: the kinds that are wanted, of ``KINDS``, and ``ARM``.
 
-    Raises
-    ------
-    UnknownRobotError
-        It lists all robots of these kinds, the nearest names first.
+    Raises UnknownRobotError: it lists all robots of these kinds, the nearest names first.
     """
     if not is_name(robot) or not str(robot).strip():
         return
@@ -77,17 +70,11 @@ def check_name(robot: object, kinds: Iterable[str]) -> None:
 def source_of(kind: str, robot: object) -> tuple[str | bytes, str]:
     """Return the text of a document of a kind, and what it is called.
 
-    Parameters
-    ----------
-    kind : str
-        One of ``KINDS``.
-    robot : object
-        A name, the path of a file, or the text.
+    - ``kind``: one of ``KINDS``.
+    - ``robot``: a name, the path of a file, or the text.
 
-    Raises
-    ------
-    BadValueError, UnknownRobotError, RobotDescriptionError
-        None of these, a name that is not known, or a file that cannot be read.
+    Raises BadValueError, UnknownRobotError, RobotDescriptionError: None of these, a name that is
+    not known, or a file that cannot be read.
     """
     return document_source(robot, partial(documents_of, kind), LARGEST_YAML)
 
@@ -97,16 +84,10 @@ def checked_document(
 ) -> Mapping[str, Any]:
     """Parse a document, and check its keys, kind, name and source, which all documents have.
 
-    Parameters
-    ----------
-    kind : str
-        One of ``KINDS``.
-    text : str or bytes
-        YAML.
-    where : str
-        What it is called in messages.
-    needed, optional : iterable of str
-        Its other keys; ``notes`` are always allowed.
+    - ``kind``: one of ``KINDS``.
+    - ``text``: YAML.
+    - ``where``: what it is called in messages.
+    - ``needed``, ``optional``: its other keys; ``notes`` are always allowed.
     """
     head = ("kind", "name", "source")
     document = check_keys(parse_yaml(text, where), where, (*head, *needed), ("notes", *optional))
@@ -121,15 +102,9 @@ def checked_document(
 def kind_of(robot: object) -> str:
     """Say of which kind a robot is, whatever else its document has.
 
-    Parameters
-    ----------
-    robot : str or path
-        A name, the path of a file, or the text of a document.
+    - ``robot``: a name, the path of a file, or the text of a document.
 
-    Returns
-    -------
-    str
-        One of ``KINDS``; empty for an arm, for a URDF, and for what is no robot.
+    Returns one of ``KINDS``; empty for an arm, for a URDF, and for what is no robot.
 
     Examples
     --------

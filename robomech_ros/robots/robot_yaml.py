@@ -77,18 +77,11 @@ _TOP_OPTIONAL = (
 def description_from_yaml(text: str | bytes, where: str = "YAML") -> RobotDescription:
     """Read a robot from the YAML form of a Denavit-Hartenberg table.
 
-    Parameters
-    ----------
-    text : str or bytes
-        The document.
-    where : str, optional
-        What it is called in messages.
+    - ``text``: the document.
+    - ``where``: what it is called in messages.
 
-    Raises
-    ------
-    RobotDescriptionError
-        Keys are unknown or missing, or a value is not what it should be: the place in the
-        document, the value and what is allowed are named.
+    Raises RobotDescriptionError: keys are unknown or missing, or a value is not what it should be:
+    the place in the document, the value and what is allowed are named.
     """
     given = parse_yaml(text, where)
     if "kind" in given:
@@ -207,14 +200,9 @@ def with_yaml_limits(
 ) -> RobotDescription:
     """Add source, home, acceleration and jerk limits from the file beside a URDF.
 
-    Parameters
-    ----------
-    description : RobotDescription
-        From the URDF.
-    text : str or bytes
-        The YAML document.
-    where : str
-        What it is called in messages.
+    - ``description``: from the URDF.
+    - ``text``: the YAML document.
+    - ``where``: what it is called in messages.
     """
     optional = ("source", "name", "notes", "joints", "home")
     document = check_keys(parse_yaml(text, where), where, (), optional)

@@ -35,11 +35,7 @@ class ResultBroadcaster:
     Drivers of cameras publish frames above the one that sees: then the uppermost of them gets the
     robot's frame as its parent, since a frame with two parents would tear tf apart.
 
-    Parameters
-    ----------
-    node : Node
-    listener : FrameListener
-        What tf has already.
+    - ``listener``: what tf has already.
     """
 
     def __init__(self, node: Node, listener: FrameListener) -> None:

@@ -30,15 +30,10 @@ POSITION_FIRST = (3, 4, 5, 0, 1, 2)
 def load(folder: str, name: str) -> PublishedFrame:
     """Read what tf was told when a calibration was saved.
 
-    Parameters
-    ----------
-    folder, name : str
-        As they were for `save`.
+    - ``folder``, ``name``: as they were for `save`.
 
-    Raises
-    ------
-    BadValueError
-        There is no such calibration, or the file is damaged, or tf was told nothing.
+    Raises BadValueError: there is no such calibration, or the file is damaged, or tf was told
+    nothing.
     """
     expected = f"the name of a calibration that was saved in '{folder}'"
     if not is_plain_name(name):
@@ -67,20 +62,11 @@ def load(folder: str, name: str) -> PublishedFrame:
 def save(solution: Solution, placed: PublishedFrame | None, folder: str, name: str) -> list[Path]:
     """Write the three files of a calibration; gives their paths.
 
-    Parameters
-    ----------
-    solution : Solution
-    placed : PublishedFrame or None
-        What tf was told of it.
-    folder : str
-        Is made where it is missing; files of the name are replaced.
-    name : str
-        Without folder and ending.
+    - ``placed``: what tf was told of it.
+    - ``folder``: is made where it is missing; files of the name are replaced.
+    - ``name``: without folder and ending.
 
-    Raises
-    ------
-    BadValueError
-        No plain name, no folder, or one that cannot be written.
+    Raises BadValueError: no plain name, no folder, or one that cannot be written.
     """
     if not is_plain_name(name):
         expected = "a plain name: letters, digits, '_', '-' and '.', no folder in front"

@@ -28,20 +28,11 @@ _EITHER_MOUNT = 3
 def poses_from_array(message: PoseArray, frame: str, what: str, most: int) -> Array:
     """Read poses, shape (n, 4, 4).
 
-    Parameters
-    ----------
-    message : PoseArray
-    frame : str
-        That they have to be in; empty = any.
-    what : str
-        Name of the field.
-    most : int
-        Largest number of poses.
+    - ``frame``: that they have to be in; empty = any.
+    - ``what``: name of the field.
+    - ``most``: largest number of poses.
 
-    Raises
-    ------
-    FrameUnavailableError, BadQuaternionError
-        A pose at fault is named by its number.
+    Raises FrameUnavailableError, BadQuaternionError: a pose at fault is named by its number.
     """
     given = message.header.frame_id.removeprefix("/")
     if given and frame and given != frame:

@@ -19,13 +19,7 @@ _MOST_LISTED = 30
 
 
 class TfTrack:
-    """The poses of a frame in another one, of those that tf has.
-
-    Parameters
-    ----------
-    listener : FrameListener
-    parent, child : str
-    """
+    """The poses of a frame in another one, of those that tf has."""
 
     def __init__(self, listener: FrameListener, parent: str, child: str) -> None:
         self._listener, self.parent, self._child = listener, parent, child
@@ -42,10 +36,7 @@ class TfTrack:
     def last(self) -> int | None:
         """Return the latest instant (ns of ROS time) with a pose; None = any instant.
 
-        Raises
-        ------
-        NoTransformError
-            There is none.
+        Raises NoTransformError: there is none.
         """
         if self._listener.missing:
             raise NoTransformError(self._listener.missing, may_come=False)
@@ -54,10 +45,7 @@ class TfTrack:
     def at(self, stamp: int) -> Array:
         """Return the pose (4, 4) at an instant (ns).
 
-        Raises
-        ------
-        NoTransformError
-            It is not kept, or not yet known.
+        Raises NoTransformError: it is not kept, or not yet known.
         """
         return self._listener.tree.between(self.parent, self._child, stamp).pose
 
@@ -75,17 +63,8 @@ class TfTrack:
 class TopicTrack:
     """The poses that a topic of geometry_msgs/PoseStamped gives.
 
-    Parameters
-    ----------
-    node : Node
-    topic : str
-    parent : str
-        Frame that the poses have to be in; empty = that of the first.
-
-    Attributes
-    ----------
-    parent : str
-        The same, empty while no pose has come.
+    - ``parent``: frame that the poses have to be in; empty = that of the first.
+    - ``parent``: the same, empty while no pose has come.
     """
 
     def __init__(self, node: Node, topic: str, parent: str) -> None:

@@ -34,12 +34,8 @@ class PublishedFrame(NamedTuple):
 class Solution:
     """A result with what it was found from.
 
-    Attributes
-    ----------
-    result : HandEyeResult
-    frames : Frames
-    robot, tracking : ndarray, shape (n, 4, 4)
-        The samples: ``T_base_hand`` and ``T_sensor_target``.
+    - ``robot``, ``tracking``: the samples: ``T_base_hand`` and ``T_sensor_target``, shape (n, 4,
+      4).
     """
 
     result: HandEyeResult
@@ -66,18 +62,13 @@ class Solution:
 class Samples:
     """Samples in the order in which they came.
 
-    Attributes
-    ----------
-    robot, tracking : ndarray, shape (n, 4, 4)
-        ``T_base_hand`` and ``T_sensor_target``.
-    solution : Solution or None
-        What was found last.
+    - ``robot``, ``tracking``: ``T_base_hand`` and ``T_sensor_target``, shape (n, 4, 4).
     """
 
     def __init__(self) -> None:
         self.robot = np.zeros((0, 4, 4))
         self.tracking = np.zeros((0, 4, 4))
-        self.solution: Solution | None = None
+        self.solution: Solution | None = None  #: What was found last.
 
     def __len__(self) -> int:
         return len(self.robot)
@@ -85,10 +76,7 @@ class Samples:
     def add(self, robot: Array, tracking: Array, most: int) -> int:
         """Add samples, shape (k, 4, 4) each; gives the number of the first.
 
-        Raises
-        ------
-        WrongSizeError
-            There are not as many of each, or there would be more than `most`.
+        Raises WrongSizeError: there are not as many of each, or there would be more than `most`.
         """
         first = len(self)
         if len(robot) != len(tracking):

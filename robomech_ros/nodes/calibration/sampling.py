@@ -25,14 +25,9 @@ _SAMPLES = 11
 class Sampler:
     """Takes samples from two tracks.
 
-    Parameters
-    ----------
-    node : Node
-        Its clock, and others that are served meanwhile.
-    robot, tracking : PoseTrack
-        The hand in the robot's base, and the target in the sensor's frame.
-    settings : callable
-        Gives the parameters as they are now.
+    - ``node``: its clock, and others that are served meanwhile.
+    - ``robot``, ``tracking``: the hand in the robot's base, and the target in the sensor's frame.
+    - ``settings``: gives the parameters as they are now.
     """
 
     def __init__(
@@ -48,15 +43,10 @@ class Sampler:
     async def take(self, patience: float) -> tuple[Array, Array]:
         """Wait for a sample of an instant after this call, up to `patience` (s).
 
-        Returns
-        -------
-        robot, tracking : ndarray, shape (4, 4)
-            ``T_base_hand`` and ``T_sensor_target`` (m) at that instant.
+        Returns ``T_base_hand`` and ``T_sensor_target``, (4, 4) each (m), at that instant.
 
-        Raises
-        ------
-        OutcomeError
-            A pose is missing, or older than the call; or the robot moved all that time.
+        Raises OutcomeError: a pose is missing, or older than the call; or the robot moved all that
+        time.
         """
         asked, deadline = self._now(), time.monotonic() + patience
         instant: int | None = None

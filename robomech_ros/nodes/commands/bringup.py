@@ -136,10 +136,7 @@ def refuse_of_kind(
 ) -> None:
     """Refuse options that a kind of robot has no use for, and others that a command names.
 
-    Raises
-    ------
-    OptionRefusedError
-        It names the option, and those that apply.
+    Raises OptionRefusedError: it names the option, and those that apply.
     """
     refused = *kind.refused, *besides
     refuse_options(args, refused, args.robot, f"a {kind.called}", _OF_SERVO)
@@ -184,12 +181,7 @@ def _run_here(options: LaunchOptions) -> int:
 def check(args: argparse.Namespace) -> None:
     """Refuse here, once, what every node would refuse in the middleware's words.
 
-    Raises
-    ------
-    UnknownRobotError
-        It names robots.
-    BadValueError
-        It names the option.
+    Raises UnknownRobotError: it names robots. BadValueError: it names the option.
     """
     check_name(args.robot, (ARM, *KINDS))
     for path in args.params_file:

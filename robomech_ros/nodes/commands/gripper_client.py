@@ -35,32 +35,17 @@ class NoGripperError(RobomechError):
 def move_gripper(wanted: str, namespace: str, controller: str, timeout: float) -> tuple[str, bool]:
     """Open or close the gripper, and wait until it is there or stopped.
 
-    Parameters
-    ----------
-    wanted : str
-        ``open``, ``close``, or a width (m); a position (rad or m) if the width is not known.
-    namespace : str
-        Of the robot's nodes.
-    controller : str
-        Name of the node whose parameters say which joints are the gripper.
-    timeout : float
-        s.
+    - ``wanted``: ``open``, ``close``, or a width (m); a position (rad or m) if the width is not
+      known.
+    - ``namespace``: of the robot's nodes.
+    - ``controller``: name of the node whose parameters say which joints are the gripper.
+    - ``timeout``: s.
 
-    Returns
-    -------
-    text : str
-        Where the gripper is.
-    reached : bool
-        Whether that is what was wanted.
+    Returns a text that says where the gripper is, and whether that is what was wanted.
 
-    Raises
-    ------
-    BadValueError
-        It is no width, or the gripper is never so wide.
-    NoGripperError
-        The robot has no gripper.
-    NoAnswerError
-        A node or the robot's description is missing, or there is no answer in time.
+    Raises BadValueError: it is no width, or the gripper is never so wide. NoGripperError: the robot
+    has no gripper. NoAnswerError: a node or the robot's description is missing, or there is no
+    answer in time.
     """
     number = None if wanted in (OPEN, CLOSE) else _number(wanted)
     deadline = time.monotonic() + timeout

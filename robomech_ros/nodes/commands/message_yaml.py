@@ -45,10 +45,7 @@ class UnknownFieldError(RobomechError):
 def interface_class(name: str) -> Any:
     """Import the class of an interface, such as ``robomech_interfaces/srv/SolveIK``.
 
-    Raises
-    ------
-    BadValueError
-        The name is not of that form, or the interface is not installed here.
+    Raises BadValueError: the name is not of that form, or the interface is not installed here.
     """
     parts = name.split("/")
     if len(parts) != _PARTS_OF_A_TYPE or not all(part.isidentifier() for part in parts):
@@ -71,10 +68,7 @@ def without_types(name: str) -> str:
 def parse_yaml(text: str) -> Mapping[str, Any]:
     """Parse a YAML mapping; an empty text is an empty one.
 
-    Raises
-    ------
-    BadValueError
-        Not YAML, or not a mapping.
+    Raises BadValueError: not YAML, or not a mapping.
     """
     try:
         values = yaml.load(text, Loader=UniqueKeyLoader) if text.strip() else {}
@@ -90,19 +84,13 @@ def parse_yaml(text: str) -> Mapping[str, Any]:
 def fill_message(message: Any, values: Mapping[str, Any], where: str = "") -> None:
     """Set the fields of a message from nested mappings, lists and scalars.
 
-    Parameters
-    ----------
-    message : message
-        Changed in place; fields that are not given keep their defaults.
-    values : mapping
-        Field names to values.  An integer field takes the name of a constant of the message, too.
-    where : str
-        Place of the message in the request, for error messages.
+    - ``message``: changed in place; fields that are not given keep their defaults.
+    - ``values``: field names to values. An integer field takes the name of a constant of the
+      message, too.
+    - ``where``: place of the message in the request, for error messages.
 
-    Raises
-    ------
-    UnknownFieldError, BadValueError
-        A field that does not exist, or a value that does not fit; the place is named.
+    Raises UnknownFieldError, BadValueError: a field that does not exist, or a value that does not
+    fit; the place is named.
     """
     kinds = message.get_fields_and_field_types()
     for field, value in values.items():
@@ -180,14 +168,9 @@ _Dumper.add_representer(
 def to_yaml(message: Any, full: bool = False, digits: int = 17) -> str:
     """Write a message as YAML.
 
-    Parameters
-    ----------
-    message : message
-        Any message, request or response.
-    full : bool
-        False leaves out the empty lists and zero times inside nested messages.
-    digits : int
-        How many significant ones of numbers that are no integers.
+    - ``message``: any message, request or response.
+    - ``full``: False leaves out the empty lists and zero times inside nested messages.
+    - ``digits``: how many significant ones of numbers that are no integers.
     """
     plain = dict(_plain_fields(message, True, full, digits))
     return yaml.dump(

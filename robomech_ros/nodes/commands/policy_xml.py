@@ -26,29 +26,21 @@ _KINDS = (
 class NodeRights:
     """Rights of one node.
 
-    Attributes
-    ----------
-    name, namespace : str
-        Of the node.
-    names : mapping
-        Full names in alphabetical order, by right: publish and subscribe of topics, reply and
-        request of services, execute and call of actions.
+    - ``name``, ``namespace``: of the node.
     """
 
     name: str
     namespace: str
+    #: Full names in alphabetical order, by right: publish and subscribe of topics, reply and
+    #: request of services, execute and call of actions.
     names: Mapping[str, Sequence[str]]
 
 
 def rights_of(observer: Node, name: str, namespace: str) -> NodeRights:
     """Return the rights that a node of the graph makes use of.
 
-    Parameters
-    ----------
-    observer : Node
-        Who looks; may be the node itself.
-    name, namespace : str
-        Of the node.
+    - ``observer``: who looks; may be the node itself.
+    - ``name``, ``namespace``: of the node.
     """
     at = name, namespace
     found = {
@@ -69,11 +61,7 @@ def rights_of(observer: Node, name: str, namespace: str) -> NodeRights:
 def policy_xml(rights: Iterable[NodeRights], enclave: str) -> str:
     """Write the policy of nodes that share an enclave, for ``ros2 security create_permission``.
 
-    Parameters
-    ----------
-    rights : iterable of NodeRights
-    enclave : str
-        Its path, such as ``/robomech``.
+    - ``enclave``: its path, such as ``/robomech``.
     """
     policy = ElementTree.Element("policy", version=_VERSION)
     enclaves = ElementTree.SubElement(policy, "enclaves")

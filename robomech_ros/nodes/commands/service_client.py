@@ -31,28 +31,16 @@ def call_service(service: str, kind: str, values: Mapping[str, Any], timeout: fl
 
     A request that changes nothing is sent again while no answer comes.
 
-    Parameters
-    ----------
-    service : str
-        Name, with or without the leading slash.
-    kind : str
-        Interface type, such as ``robomech_interfaces/srv/SolveIK``; empty: ask the graph.
-    values : mapping
-        Fields of the request.
-    timeout : float
-        How long to wait for service and answer together (s).
+    - ``service``: name, with or without the leading slash.
+    - ``kind``: interface type, such as ``robomech_interfaces/srv/SolveIK``; empty: ask the graph.
+    - ``values``: fields of the request.
+    - ``timeout``: how long to wait for service and answer together (s).
 
-    Returns
-    -------
-    message
-        The response.
+    Returns the response.
 
-    Raises
-    ------
-    NoAnswerError
-        There is no such service, it went or did not answer in time, or ROS was shut down.
-    BadValueError, UnknownFieldError
-        The type or a field does not exist, or a value does not fit.
+    Raises NoAnswerError: there is no such service, it went or did not answer in time, or ROS was
+    shut down. BadValueError, UnknownFieldError: the type or a field does not exist, or a value does
+    not fit.
     """
     with command_node("robomech_call") as node:
         return answer_of(node, service, kind, values, timeout)
@@ -62,10 +50,7 @@ def call_service(service: str, kind: str, values: Mapping[str, Any], timeout: fl
 def command_node(name: str, namespace: str = "") -> Iterator[Node]:
     """Make a node for one command, in a context of its own.
 
-    Raises
-    ------
-    NoAnswerError
-        ROS was shut down meanwhile.
+    Raises NoAnswerError: ROS was shut down meanwhile.
     """
     rclpy.init(args=[])
     try:

@@ -23,12 +23,7 @@ _OPEN, _EXACT = 1e-3, 1e-12
 
 
 class ClosedLoopPositions:
-    """Reads postures that close all loops of a mechanism of n joints and m drives.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-    """
+    """Reads postures that close all loops of a mechanism of n joints and m drives."""
 
     def __init__(self, mechanism: "Mechanism") -> None:
         self.mechanism = mechanism
@@ -47,25 +42,14 @@ class ClosedLoopPositions:
         the present posture, or where that is not known in the mode nearest to home.  The name
         ``home`` with no position stands for that posture.
 
-        Parameters
-        ----------
-        state : JointState
-            rad or m.
-        what : str
-            What it is, for messages.
-        present : ndarray, shape (n,), optional
-            All joints, loops closed.
+        - ``state``: rad or m.
+        - ``what``: what it is, for messages.
+        - ``present``: all joints, loops closed, shape (n,).
 
-        Raises
-        ------
-        UnknownJointError, WrongSizeError, NonFiniteError
-            Not positions of all joints, or of the drives.
-        LoopClosureError
-            They leave the loops open.
-        OutcomeError
-            The drives can hold the platform nowhere, or a singular posture is in their way.
-        LimitExceededError
-            They cannot be completed, and one is outside its limits.
+        Raises UnknownJointError, WrongSizeError, NonFiniteError: not positions of all joints, or of
+        the drives. LoopClosureError: they leave the loops open. OutcomeError: the drives can hold
+        the platform nowhere, or a singular posture is in their way. LimitExceededError: they cannot
+        be completed, and one is outside its limits.
         """
         mechanism = self.mechanism
         if list(state.name) == [HOME] and not state.position:

@@ -89,10 +89,7 @@ def wake(node: Node) -> None:
 class Worker:
     """Does long work in a thread of its own, one piece after the other, while others are served.
 
-    Parameters
-    ----------
-    node : Node
-        Whose callbacks have work to be done.
+    - ``node``: whose callbacks have work to be done.
     """
 
     def __init__(self, node: Node) -> None:
@@ -187,10 +184,7 @@ class _NextTurn:
 class TimeSlices:
     """Long work in short turns, between which waiting requests are served.
 
-    Parameters
-    ----------
-    node : Node
-        Whose callback does the work.
+    - ``node``: whose callback does the work.
     """
 
     def __init__(self, node: Node) -> None:

@@ -40,13 +40,8 @@ class NoStateError(RobomechError):
 class RobotMovesError(NoStateError):
     """The present state is needed as one at rest, and a joint moves.
 
-    Parameters
-    ----------
-    joint : str
-    speed, tolerance : float
-        Its speed, and the largest that counts as rest, rad/s or m/s.
-    unit : str, optional
-        ``"rad"`` or ``"m"``; empty where it is not known.
+    - ``speed``, ``tolerance``: its speed, and the largest that counts as rest, rad/s or m/s.
+    - ``unit``: ``"rad"`` or ``"m"``; empty where it is not known.
     """
 
     def __init__(self, joint: str, speed: float, tolerance: float, unit: str = "") -> None:
@@ -61,12 +56,8 @@ class RobotMovesError(NoStateError):
 class OutcomeError(RobomechError):
     """The requested result does not exist: an outcome of the mathematics, with its code.
 
-    Parameters
-    ----------
-    code : Code
-        That of the answer.
-    text : str
-        Why.
+    - ``code``: that of the answer.
+    - ``text``: why.
     """
 
     def __init__(self, code: Code, text: str) -> None:

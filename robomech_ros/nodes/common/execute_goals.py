@@ -14,17 +14,13 @@ from robomech_ros.nodes.common.message_fields import duration_from_seconds
 class AskedTolerances:
     """Tolerances that every goal requests from the controller; 0 = the controller's own setting.
 
-    Attributes
-    ----------
-    path, goal : float
-        How far a joint may be from its path and from its last point, rad or m; -1 = any distance.
-    goal_time : float
-        How long after its end a trajectory may still reach its goal, s.
+    - ``path``, ``goal``: how far a joint may be from its path and from its last point, rad or m; -1
+      = any distance.
     """
 
     path: float = 0.0
     goal: float = 0.0
-    goal_time: float = 0.0
+    goal_time: float = 0.0  #: How long after its end a trajectory may still reach its goal, s.
 
 
 class ExecuteGoals:

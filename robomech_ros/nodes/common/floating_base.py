@@ -32,13 +32,7 @@ class FloatingSettings(RobotSettings):
 
 
 class FloatingRobot:
-    """A robot whose base may float.
-
-    Parameters
-    ----------
-    model : RobotModel
-    settings : FloatingSettings
-    """
+    """A robot whose base may float."""
 
     def __init__(self, model: RobotModel, settings: FloatingSettings) -> None:
         self._model, wanted = model, settings.floating_base
@@ -51,10 +45,8 @@ class FloatingRobot:
     def carrying(self, chain: SerialChain) -> "FloatingChain":
         """Return a chain with all joints of the configured one on the floating base.
 
-        Raises
-        ------
-        OutcomeError, MissingInertiaError, BadValueError
-            The mass of the base or of a link is unknown or impossible.
+        Raises OutcomeError, MissingInertiaError, BadValueError: the mass of the base or of a link
+        is unknown or impossible.
         """
         configured = self._model.chain
         if chain.joint_names != configured.joint_names:

@@ -8,10 +8,7 @@ from robomech_ros.robots.gripper import GripperModel
 def gripper_goal(gripper: GripperModel, value: float) -> Any:
     """Make the goal (control_msgs/action/GripperCommand.Goal) of a width (m) or position.
 
-    Raises
-    ------
-    BadValueError
-        The value is outside the range.
+    Raises BadValueError: the value is outside the range.
     """
     from control_msgs.action import GripperCommand
 
@@ -23,10 +20,7 @@ def gripper_goal(gripper: GripperModel, value: float) -> Any:
 def gripper_outcome(gripper: GripperModel, result: Any) -> tuple[str, bool]:
     """Say where a gripper is after a command, and whether that is its goal.
 
-    Parameters
-    ----------
-    gripper : GripperModel
-    result : GripperCommand.Result
+    - ``result``: GripperCommand.Result.
     """
     value = gripper.value({gripper.joints[0].name: result.position})
     wide = " wide" if gripper.opening is not None else ""

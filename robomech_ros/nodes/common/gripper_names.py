@@ -55,10 +55,7 @@ def known_finger_joints(model: RobotModel, settings: GripperNames) -> tuple[Join
 def known_gripper(model: RobotModel, settings: GripperNames) -> GripperModel | None:
     """Return the gripper that one value moves; None if the robot has none.
 
-    Raises
-    ------
-    ParameterError
-        Parameters do not fit the robot.
+    Raises ParameterError: parameters do not fit the robot.
     """
     names = [joint.name for joint in known_finger_joints(model, settings)]
     links = listed_names(settings.gripper_finger_links)

@@ -23,21 +23,11 @@ _PIECES, _FEWEST = 100, 10
 
 
 class InertialPath(NamedTuple):
-    """A path followed from rest at zero momentum.
+    """A path followed from rest at zero momentum."""
 
-    Attributes
-    ----------
-    tracking : PathTracking
-        Joint values over the path coordinate.
-    q : ndarray, shape (n,)
-        Joint values (rad or m) at its end.
-    base : ndarray, shape (4, 4)
-        Base at its end, in the base at its start (m).
-    """
-
-    tracking: PathTracking
-    q: Array
-    base: Array
+    tracking: PathTracking  #: Joint values over the path coordinate.
+    q: Array  #: Joint values (rad or m) at its end, shape (n,).
+    base: Array  #: Base at its end, in the base at its start (m), shape (4, 4).
 
 
 class FloatingPathModel(ChainPathModel):
@@ -61,14 +51,10 @@ class FloatingPathModel(ChainPathModel):
 def follow_inertial(robot: FloatingChain, path: PosePath, start: Array) -> InertialPath:
     """Follow a path of the tip in inertial space, from rest, as far as possible.
 
-    Parameters
-    ----------
-    robot : FloatingChain
-        Chain of n joints; at zero momentum the base depends on the path of the joints alone.
-    path : PosePath
-        In the base at the start.
-    start : ndarray, shape (n,)
-        Joint values (rad or m).
+    - ``robot``: chain of n joints; at zero momentum the base depends on the path of the joints
+      alone.
+    - ``path``: in the base at the start.
+    - ``start``: joint values (rad or m), shape (n,).
     """
     q, base, reason = start, np.eye(4), ""
     breaks: list[float] = [0.0]

@@ -74,21 +74,11 @@ class NoLimitsForPlanError(MissingLimitsError):
 
 @dataclass(frozen=True)
 class JointLimitsFile:
-    """A file with joint limits.
+    """A file with joint limits."""
 
-    Attributes
-    ----------
-    where : str
-        Its path.
-    text : bytes
-        What is in it.
-    document : mapping
-        The same, parsed.
-    """
-
-    where: str
-    text: bytes
-    document: Mapping[str, Any]
+    where: str  #: Its path.
+    text: bytes  #: What is in it.
+    document: Mapping[str, Any]  #: The same, parsed.
 
     def on(self, description: RobotDescription) -> RobotDescription:
         """Return a robot with these limits.
@@ -96,11 +86,9 @@ class JointLimitsFile:
         Accelerations and jerks of the file replace those of the robot; its ranges of positions
         and its velocities only narrow them.
 
-        Raises
-        ------
-        RobotDescriptionError
-            A number is no limit; or the file beside a URDF names a joint that there is not.  In
-            MoveIt's form such joints, of a gripper perhaps, are noted and passed over.
+        Raises RobotDescriptionError: a number is no limit; or the file beside a URDF names a joint
+        that there is not. In MoveIt's form such joints, of a gripper perhaps, are noted and passed
+        over.
         """
         document = _planning_section(self.document)
         if _SECTION not in document:
@@ -162,13 +150,8 @@ def robot_limits(node: Node, settings: PlanSettings) -> dict[str, Any]:
 def with_assumed_rates(description: RobotDescription) -> tuple[RobotDescription, str, str]:
     """Assume limits of acceleration and jerk that nobody gave, by the limits of velocity.
 
-    Returns
-    -------
-    description : RobotDescription
-    notice : str
-        What was assumed; empty if nothing was.
-    file : str
-        The same limits in MoveIt's form, to copy.
+    Returns the description, a notice of what was assumed (empty if nothing was), and the text of a
+    file with the same limits in MoveIt's form, to copy.
     """
     limits: dict[str, dict[str, Any]] = {}
     for joint in description.joints:
@@ -210,12 +193,7 @@ def _as_file(limits: Mapping[str, Mapping[str, float]]) -> str:
 def read_joint_limits(path: str) -> JointLimitsFile:
     """Read a file with joint limits.
 
-    Raises
-    ------
-    ParameterError
-        It cannot be read.
-    RobotDescriptionError
-        It is not YAML.
+    Raises ParameterError: it cannot be read. RobotDescriptionError: it is not YAML.
     """
     file = Path(path).expanduser()
     try:

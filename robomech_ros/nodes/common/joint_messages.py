@@ -30,32 +30,18 @@ def positions_by_name(
 ) -> Array:
     """Read the positions of joints, or other numbers, from a joint state, matched by name.
 
-    Parameters
-    ----------
-    state : JointState
-        Positions in rad or m.  Without names they are in the order of `joint_names`.
-    joint_names : sequence of str
-        The joints wanted, n of them.
-    what : str
-        What the state is, for messages: ``"seed"``, ``"start"``.
-    others : iterable of str, optional
-        Further joints of the robot, which the state may contain and which are passed over.
-    field : {"position", "velocity", "effort"}
-        Which numbers.
+    - ``state``: positions in rad or m. Without names they are in the order of `joint_names`.
+    - ``joint_names``: the joints wanted, n of them.
+    - ``what``: what the state is, for messages: ``"seed"``, ``"start"``.
+    - ``others``: further joints of the robot, which the state may contain and which are passed
+      over.
+    - ``field``: which numbers, one of "position", "velocity", "effort".
 
-    Returns
-    -------
-    ndarray, shape (n,)
-        In the order of `joint_names`.
+    Returns an array (n,) in the order of `joint_names`.
 
-    Raises
-    ------
-    WrongSizeError
-        As many names as positions are required, each name once, and no joint may be missing.
-    UnknownJointError
-        A name that is neither among the joints nor among the others.
-    NonFiniteError
-        A position that is not a finite number; the joint is named.
+    Raises WrongSizeError: as many names as positions are required, each name once, and no joint may
+    be missing. UnknownJointError: a name that is neither among the joints nor among the others.
+    NonFiniteError: a position that is not a finite number; the joint is named.
     """
     names, positions = state.name, getattr(state, field)
     if names:
@@ -154,10 +140,8 @@ class SampledPoints(Sequence[JointTrajectoryPoint]):
 
     A point message takes 1 kB, its numbers less than 0.2 kB, and rclpy keeps a result for 10 s.
 
-    Parameters
-    ----------
-    samples : ndarray
-        Times (m,) (s), positions and, if any, rates (m, n); see `TrajectoryPoints.filled`.
+    - ``samples``: times (m,) (s), positions and, if any, rates (m, n); see
+      `TrajectoryPoints.filled`.
     """
 
     def __init__(self, *samples: Array) -> None:
@@ -181,19 +165,11 @@ def joint_trajectory(
 ) -> JointTrajectory:
     """Make a trajectory message from sampled curves.
 
-    Parameters
-    ----------
-    names : sequence of str
-        n joints.
-    times : ndarray, shape (m,)
-        Times from start (s).
-    positions, velocities, accelerations : ndarray, shape (m, n)
-        rad or m, and per s and s^2.
+    - ``names``: n joints.
+    - ``times``: times from start (s), shape (m,).
+    - ``positions``, ``velocities``, ``accelerations``: rad or m, and per s and s^2, shape (m, n).
 
-    Returns
-    -------
-    JointTrajectory
-        With stamp 0: start when received.
+    The message has stamp 0: start when received.
     """
     points = SampledPoints(times, positions, velocities, accelerations)
     return JointTrajectory(joint_names=list(names), points=points)
@@ -204,16 +180,10 @@ def stream_message(
 ) -> JointTrajectory:
     """Make the message: positions and velocities only, between which a cubic is exact.
 
-    Parameters
-    ----------
-    names : sequence of str
-        The n joints.
-    samples : Samples
-        From a knot to rest.
-    ahead : float
-        How long after the stamp the knot is (s).
-    stamp : Time
-        When the message was made, in ROS time.
+    - ``names``: the n joints.
+    - ``samples``: from a knot to rest.
+    - ``ahead``: how long after the stamp the knot is (s).
+    - ``stamp``: when the message was made, in ROS time.
     """
     points = TrajectoryPoints().filled(ahead + samples.times, samples.positions, samples.velocities)
     message = JointTrajectory(joint_names=list(names), points=points)

@@ -44,12 +44,9 @@ class JointPositions:
     that posture.  Of a parallel robot states are read by :class:`ClosedLoopPositions`, whatever
     part of its joints is asked for.
 
-    Parameters
-    ----------
-    model : RobotModel
-        The robot; joints of it that are not in a chain may stand in a state and are passed over.
-    monitor : JointStateMonitor
-        The present state.
+    - ``model``: the robot; joints of it that are not in a chain may stand in a state and are passed
+      over.
+    - ``monitor``: the present state.
     """
 
     def __init__(self, model: RobotModel, monitor: JointStateMonitor) -> None:
@@ -97,10 +94,7 @@ class JointPositions:
     ) -> Array:
         """Read the positions, shape (n,); of an empty state, the present ones.
 
-        Raises
-        ------
-        NoStateError
-            They are not known, even after waiting for `patience` (s).
+        Raises NoStateError: they are not known, even after waiting for `patience` (s).
         """
         if not is_empty(state):
             return self.read(chain, state, what)
@@ -109,12 +103,9 @@ class JointPositions:
     async def at_rest(self, chain: Linkage, patience: float, tolerance: float) -> Array:
         """Read the present positions, shape (n,), of a robot that stands.
 
-        Raises
-        ------
-        NoStateError
-            They are not known, even after waiting for `patience` (s).
-        RobotMovesError
-            A joint is faster than `tolerance` (rad/s or m/s), and was so all that time.
+        Raises NoStateError: they are not known, even after waiting for `patience` (s).
+        RobotMovesError: a joint is faster than `tolerance` (rad/s or m/s), and was so all that
+        time.
         """
         # The drives of a parallel robot determine its other joints.
         names = chain.joint_names if self.loops is None else self.loops.mechanism.actuated

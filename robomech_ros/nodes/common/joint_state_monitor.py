@@ -35,12 +35,7 @@ class _JointSample(NamedTuple):
 
 
 class JointStateMonitor:
-    """Knows the latest state of every joint that was ever published on ``joint_states``.
-
-    Parameters
-    ----------
-    node : Node
-    """
+    """Knows the latest state of every joint that was ever published on ``joint_states``."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -87,10 +82,7 @@ class JointStateMonitor:
     def require(self, joint_names: Sequence[str]) -> Array:
         """Return the present positions (rad or m), shape (n,).
 
-        Raises
-        ------
-        NoStateError
-            The position of a joint is not known; it is named.
+        Raises NoStateError: the position of a joint is not known; it is named.
         """
         positions = self.positions(joint_names)
         if positions is None:
@@ -116,24 +108,14 @@ class JointStateMonitor:
     ) -> Array:
         """Return the positions (rad or m), shape (n,), when all joints were heard of and stand.
 
-        Parameters
-        ----------
-        joint_names : sequence of str
-            The n joints.
-        patience : float
-            How long to wait for that at the most (s).
-        tolerance : float, optional
-            Speed up to which a joint stands, rad/s or m/s; default any.  A joint whose velocity is
-            not published stands.
-        units : mapping, optional
-            ``"rad"`` or ``"m"`` by joint, where that is known.
+        - ``joint_names``: the n joints.
+        - ``patience``: how long to wait for that at the most (s).
+        - ``tolerance``: speed up to which a joint stands, rad/s or m/s; default any. A joint whose
+          velocity is not published stands.
+        - ``units``: ``"rad"`` or ``"m"`` by joint, where that is known.
 
-        Raises
-        ------
-        NoStateError
-            The position of a joint is not known.
-        RobotMovesError
-            A joint moves; the fastest is named with its speed.
+        Raises NoStateError: the position of a joint is not known. RobotMovesError: a joint moves;
+        the fastest is named with its speed.
         """
         deadline = time.monotonic() + patience
         while time.monotonic() < deadline:

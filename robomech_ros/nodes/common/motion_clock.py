@@ -34,23 +34,15 @@ class MotionClock:
     simulation.  What that goes back, or forward by more than its usual steps, is left out: no step
     of the clock moves a joint.  Stamps of messages are always ROS time.
 
-    Parameters
-    ----------
-    node : Node
-        Whose time it is.
-
-    Attributes
-    ----------
-    clock : Clock
-        For timers.
-    simulated : bool
-        Whether it is the simulated time.
+    - ``node``: whose time it is.
     """
 
     def __init__(self, node: Node) -> None:
         self._ros = node.get_clock()
         self._log = ThrottledLog(node.get_logger())
+        #: Whether it is the simulated time.
         self.simulated = bool(node.get_parameter("use_sim_time").value)
+        #: For timers.
         self.clock = self._ros if self.simulated else Clock(clock_type=ClockType.STEADY_TIME)
         self._listeners: list[Callable[[float], None]] = []
         self._jumped = self._latest = 0

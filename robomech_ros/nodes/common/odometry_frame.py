@@ -19,12 +19,8 @@ POSE, TWIST = (0, 1, 5), (5, 0, 1)
 def full_covariance(planar: Array, places: tuple[int, ...]) -> Array:
     """Return the 36 numbers of a message, with positive variances, from three of the plane.
 
-    Parameters
-    ----------
-    planar : ndarray, shape (3, 3)
-        Covariance (m^2, m rad, rad^2, or each per s^2).
-    places : tuple of int
-        Places of its rows in the six of a message: `POSE` or `TWIST`.
+    - ``planar``: covariance (m^2, m rad, rad^2, or each per s^2), shape (3, 3).
+    - ``places``: places of its rows in the six of a message: `POSE` or `TWIST`.
     """
     full = np.diag(np.full(6, UNMEASURED))
     full[np.ix_(places, places)] = planar + LEAST * np.eye(3)

@@ -72,35 +72,18 @@ class ParameterError(RobomechError):
 class ParameterRow:
     """One row of the table.
 
-    Parameters
-    ----------
-    name : str
-        Of the parameter.
-    kind : type
-        bool, int, float, str, ``tuple[float, ...]`` or ``tuple[str, ...]``.
-    default : object
-        Value where none is given.
-    description : str
-        What it means and what empty or zero means.
-    low, high : float or None
-        Allowed range, ends included.
-    unit : str
-        Unit, "" for none.
-    choices : tuple of str
-        Allowed strings; empty for any.
-    read_only : bool
-        Whether it is fixed once the node runs.
+    - ``low``, ``high``: allowed range, ends included.
     """
 
-    name: str
-    kind: Any
-    default: Any
-    description: str
+    name: str  #: Of the parameter.
+    kind: Any  #: bool, int, float, str, ``tuple[float, ...]`` or ``tuple[str, ...]``.
+    default: Any  #: Value where none is given.
+    description: str  #: What it means and what empty or zero means.
     low: float | None = None
     high: float | None = None
-    unit: str = ""
-    choices: tuple[str, ...] = ()
-    read_only: bool = True
+    unit: str = ""  #: Unit, "" for none.
+    choices: tuple[str, ...] = ()  #: Allowed strings; empty for any.
+    read_only: bool = True  #: Whether it is fixed once the node runs.
 
     @property
     def field(self) -> str:
@@ -132,10 +115,7 @@ class ParameterRow:
     def checked(self, value: Any) -> Any:
         """Return the value in the type of the row.
 
-        Raises
-        ------
-        ParameterError
-            It is of another type or out of range.
+        Raises ParameterError: it is of another type or out of range.
         """
         if self.kind is float and type(value) is int:
             value = float(value)
@@ -226,32 +206,14 @@ def table_rows(table: type) -> tuple[ParameterRow, ...]:
 class NodeParameters(Generic[Settings]):
     """The declared parameters of a node.
 
-    Parameters
-    ----------
-    node : Node
-        Gets the parameters declared.
-    table : type
-        Frozen dataclass whose fields come from :func:`parameter`.
-    on_change : callable, optional
-        Called with the new settings after a parameter changed at run time.
-    check : callable, optional
-        Called with the new settings before; it raises ParameterError to refuse them.
-    former : mapping, optional
-        For names that others give a parameter the name that it has here.
-    later : str, optional
-        What names of parameters begin with, before a dot, that `declare` adds.
+    - ``node``: gets the parameters declared.
+    - ``table``: frozen dataclass whose fields come from :func:`parameter`.
+    - ``on_change``: called with the new settings after a parameter changed at run time.
+    - ``check``: called with the new settings before; it raises ParameterError to refuse them.
+    - ``former``: for names that others give a parameter the name that it has here.
+    - ``later``: what names of parameters begin with, before a dot, that `declare` adds.
 
-    Attributes
-    ----------
-    settings : object
-        The present values, an instance of the table.
-    further : dict
-        Those of the parameters that `declare` has added, by name.
-
-    Raises
-    ------
-    ParameterError
-        A value given at start is of the wrong type or out of range.
+    Raises ParameterError: a value given at start is of the wrong type or out of range.
     """
 
     def __init__(
@@ -265,10 +227,12 @@ class NodeParameters(Generic[Settings]):
     ) -> None:
         # Not the node: a circle would keep one alive that cannot start.
         self._former, self._later = {**_EARLIER, **(former or {})}, later
+        #: Those of the parameters that `declare` has added, by name.
         self.further: dict[str, Any] = {}
         self._rows = {row.name: row for row in table_rows(table)}
         self._on_change = on_change
         self._check_settings = check
+        #: The present values, an instance of the table.
         self.settings: Settings = table(
             **{r.field: _declared(node, r) for r in self._rows.values()}
         )
@@ -279,10 +243,7 @@ class NodeParameters(Generic[Settings]):
     def declare(self, node: Node, rows: Iterable[ParameterRow]) -> None:
         """Add parameters that are known only now, such as those of joints.
 
-        Raises
-        ------
-        ParameterError
-            A value given at start is of the wrong type or out of range.
+        Raises ParameterError: a value given at start is of the wrong type or out of range.
         """
         for row in rows:
             self.further[row.name] = _declared(node, row)

@@ -25,21 +25,12 @@ _POSE_NUMBERS = 7
 def matrix_from_pose(pose: Pose, what: str = "pose") -> Array:
     """Convert a pose message to a homogeneous transform.
 
-    Parameters
-    ----------
-    pose : Pose
-        Position in m; the quaternion's norm may differ from 1 by 1e-3 and is then made 1.
-    what : str
-        What the pose is, for messages.
+    - ``pose``: position in m; the quaternion's norm may differ from 1 by 1e-3 and is then made 1.
+    - ``what``: what the pose is, for messages.
 
-    Returns
-    -------
-    ndarray, shape (4, 4)
+    Returns a pose (4, 4).
 
-    Raises
-    ------
-    BadQuaternionError
-        The quaternion is zero or far from unit length.
+    Raises BadQuaternionError: the quaternion is zero or far from unit length.
     """
     p, o = pose.position, pose.orientation
     x, y, z, w = o.x, o.y, o.z, o.w
@@ -97,21 +88,11 @@ def stamped_pose(T: Array, frame: str) -> PoseStamped:
 def matrices_from_pose_rows(rows: Sequence[float], what: str = "poses") -> Array:
     """Convert rows of x y z qx qy qz qw to homogeneous transforms.
 
-    Parameters
-    ----------
-    rows : sequence of float
-        7 m numbers: position in m, unit quaternion within 1e-3.
+    - ``rows``: 7 m numbers: position in m, unit quaternion within 1e-3.
 
-    Returns
-    -------
-    ndarray, shape (m, 4, 4)
+    Returns poses (m, 4, 4).
 
-    Raises
-    ------
-    WrongSizeError
-        Not a multiple of seven numbers.
-    BadQuaternionError
-        The row is named.
+    Raises WrongSizeError: not a multiple of seven numbers. BadQuaternionError: the row is named.
     """
     if len(rows) % _POSE_NUMBERS:
         raise WrongSizeError(what, len(rows), "a multiple of 7: x y z qx qy qz qw of every pose")

@@ -15,11 +15,7 @@ REMINDER = 10.0
 class Readiness:
     """Answers ``~/ready``, and reminds of what is waited for in the log.
 
-    Parameters
-    ----------
-    node : Node
-    waits_for : str
-        What is missing, as a sentence; empty if nothing is.
+    - ``waits_for``: what is missing, as a sentence; empty if nothing is.
     """
 
     def __init__(self, node: Node, waits_for: str = "") -> None:

@@ -12,26 +12,13 @@ _CODE, _LABEL, _RUN = "last refusal code", "last refused trajectory", "counted s
 
 
 class Refusal(NamedTuple):
-    """The trajectory that a controller refused last.
+    """The trajectory that a controller refused last."""
 
-    Attributes
-    ----------
-    number : int
-        How many were refused so far.
-    code : int
-        One of `Code`; 0 where none was refused since the last that was accepted.
-    text : str
-        The reason; empty likewise.
-    label : str
-        That of the trajectory, by `trajectory_label`; empty likewise.
-    run : str
-        A text that another start of the controller does not repeat; empty where it has none.
-    """
-
-    number: int
-    code: int
-    text: str
-    label: str
+    number: int  #: How many were refused so far.
+    code: int  #: One of `Code`; 0 where none was refused since the last that was accepted.
+    text: str  #: The reason; empty likewise.
+    label: str  #: That of the trajectory, by `trajectory_label`; empty likewise.
+    #: A text that another start of the controller does not repeat; empty where it has none.
     run: str = ""
 
 

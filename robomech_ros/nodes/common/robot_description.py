@@ -92,39 +92,15 @@ def check_frame_prefix(prefix: str) -> None:
 class RobotModel:
     """A robot and what of it a node works with: a chain, loops of a parallel robot, or legs.
 
-    Parameters
-    ----------
-    description : RobotDescription
-        The whole robot.
-    settings : RobotSettings, optional
-        Ends of the chain, group and prefix of frames; see :func:`main_chain`.
-    semantic : SemanticDescription, optional
-        Its groups and named postures; default none but ``home``.
-    robot : ParallelRobot or Mechanism, optional
-        The parallel robot whose tree the description is.
-    legged : LeggedRobot, optional
-        The walking machine whose tree it is.
+    - ``description``: the whole robot.
+    - ``settings``: ends of the chain, group and prefix of frames; see :func:`main_chain`.
+    - ``semantic``: its groups and named postures; default none but ``home``.
+    - ``robot``: the parallel robot whose tree the description is.
+    - ``legged``: the walking machine whose tree it is.
+    - ``mechanism``: the loops of that.
 
-    Attributes
-    ----------
-    semantic : SemanticDescription
-    robot : ParallelRobot, Mechanism or None
-    mechanism : Mechanism or None
-        The loops of that.
-    legged : LeggedRobot or None
-    chain : SerialChain
-        From base to tip; of a parallel robot the first limb, which carries the platform, of a
-        walking machine the first leg.
-    commanded : SerialChain or Limits
-        Names and limits of the joints that trajectories move: those of the chain, the drives of
-        a parallel robot, or the joints of all legs.
-
-    Raises
-    ------
-    ParameterError
-        The prefix begins with a slash, which tf does not allow.
-    BadValueError
-        Ends or a group that a parallel robot or a walking machine does not have.
+    Raises ParameterError: the prefix begins with a slash, which tf does not allow. BadValueError:
+    ends or a group that a parallel robot or a walking machine does not have.
     """
 
     def __init__(
@@ -149,7 +125,11 @@ class RobotModel:
         self.robot = robot
         self.mechanism = mechanism = None if robot is None else robot.mechanism
         self.legged = legged
+        #: From base to tip; of a parallel robot the first limb, which carries the platform, of a
+        #: walking machine the first leg.
         self.chain: SerialChain
+        #: Names and limits of the joints that trajectories move: those of the chain, the drives of
+        #: a parallel robot, or the joints of all legs.
         self.commanded: JointLimits
         if legged is not None:
             _check_ends(legged.name, (legged.trunk, ""), (*ends, settings.group), "legs")
@@ -181,10 +161,7 @@ class RobotModel:
     def link_of(self, frame: str) -> str:
         """Return the link of a frame; what is none of this robot's comes back as it is.
 
-        Parameters
-        ----------
-        frame : str
-            A link with or without the prefix, or something else.
+        - ``frame``: a link with or without the prefix, or something else.
         """
         frame = bare_link(frame)
         bare = frame.removeprefix(self.frame_prefix)
@@ -199,18 +176,10 @@ class RobotModel:
     def chain_to(self, link: str) -> SerialChain:
         """Return the chain from the base to any link of the robot; "" is the configured tip.
 
-        Parameters
-        ----------
-        link : str
-            With or without the prefix of frames.
+        - ``link``: with or without the prefix of frames.
 
-        Raises
-        ------
-        UnknownLinkError
-            The robot has no such link.
-        RobotDescriptionError
-            There is no chain to it: it is above the base, or a joint between is of a kind that a
-            chain cannot have.
+        Raises UnknownLinkError: the robot has no such link. RobotDescriptionError: there is no
+        chain to it: it is above the base, or a joint between is of a kind that a chain cannot have.
         """
         link = self.link_of(link)
         if link not in self._chains:
@@ -234,12 +203,9 @@ class RobotModel:
 
         Without the name of a group, and where none are given, it begins at the configured base.
 
-        Raises
-        ------
-        BadValueError
-            There is no such group, and those there are are listed; or it does not move the link.
-        UnknownLinkError, RobotDescriptionError
-            There is no such link, or no chain to it.
+        Raises BadValueError: there is no such group, and those there are are listed; or it does not
+        move the link. UnknownLinkError, RobotDescriptionError: there is no such link, or no chain
+        to it.
         """
         if group and group not in self.groups:
             if group in self.semantic.left_out:

@@ -39,27 +39,16 @@ def when_robot_known(
 
     Until then the service ``~/ready`` says what is waited for.
 
-    Parameters
-    ----------
-    node : Node
-    settings : RobotSettings
-        Its parameters.
-    on_robot : callable
-        Called once, and again after a RobomechError, with which it refuses a robot of the topic.
-    supplemented : callable, optional
-        Gives the robot what its description lacks; only arms can be given something.
-    completed : callable, optional
-        The same, of what an arm lacks then; other robots are as they are.
-    parallel : bool, optional
-        Whether the node serves parallel robots, too; it refuses them otherwise.
-    legged : bool, optional
-        The same of walking machines.
+    - ``on_robot``: called once, and again after a RobomechError, with which it refuses a robot of
+      the topic.
+    - ``supplemented``: gives the robot what its description lacks; only arms can be given
+      something.
+    - ``completed``: the same, of what an arm lacks then; other robots are as they are.
+    - ``parallel``: whether the node serves parallel robots, too; it refuses them otherwise.
+    - ``legged``: the same of walking machines.
 
-    Raises
-    ------
-    RobomechError
-        The parameter's robot is unknown or broken.  What is wrong with a robot from the topic is
-        logged, and the node goes on waiting for a better one.
+    Raises RobomechError: the parameter's robot is unknown or broken. What is wrong with a robot
+    from the topic is logged, and the node goes on waiting for a better one.
     """
     source = SemanticSource(node, settings)
 

@@ -24,19 +24,11 @@ class SemanticSource:
     Where the parameter is empty, it listens to the topic.  What comes from there never changes the
     configured chain or its home posture: whether it comes before the robot is chance.
 
-    Parameters
-    ----------
-    node : Node
-        Owner of the subscription, and whose log names what is odd in an SRDF.
-    settings : RobotSettings
-
-    Attributes
-    ----------
-    on_document : callable
-        Called when an SRDF arrives by the topic before the robot is known.
+    - ``node``: owner of the subscription, and whose log names what is odd in an SRDF.
     """
 
     def __init__(self, node: Node, settings: RobotSettings) -> None:
+        #: Called when an SRDF arrives by the topic before the robot is known.
         self.on_document: Callable[[], object] = lambda: None
         self._log = node.get_logger()
         self._complaints = ThrottledLog(self._log)
@@ -58,10 +50,7 @@ class SemanticSource:
     def semantic(self, description: RobotDescription) -> SemanticDescription:
         """Return the groups and postures that select the chain of a robot.
 
-        Raises
-        ------
-        RobomechError
-            The SRDF, or an entry of the parameter groups, does not fit the robot.
+        Raises RobomechError: the SRDF, or an entry of the parameter groups, does not fit the robot.
         """
         known = self._read(description)
         return known if self._given else replace(known, states={})

@@ -13,35 +13,19 @@ _DEPTH = 10
 
 @dataclass(frozen=True)
 class NodeHealth:
-    """Health of a node.
+    """Health of a node."""
 
-    Attributes
-    ----------
-    summary : str
-        In one line.
-    warning : bool
-        Whether it needs attention.
-    values : mapping
-        Further facts by name.
-    """
-
-    summary: str
-    warning: bool
-    values: Mapping[str, object]
+    summary: str  #: In one line.
+    warning: bool  #: Whether it needs attention.
+    values: Mapping[str, object]  #: Further facts by name.
 
 
 class StatusReport:
     """Publishes one status a second.
 
-    Parameters
-    ----------
-    node : Node
-    part : str
-        Reported part of the node.
-    hardware : str
-        What it belongs to.
-    describe : callable
-        Gives the present condition.
+    - ``part``: reported part of the node.
+    - ``hardware``: what it belongs to.
+    - ``describe``: gives the present condition.
     """
 
     def __init__(

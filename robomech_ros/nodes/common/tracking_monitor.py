@@ -26,16 +26,10 @@ class Fault(NamedTuple):
 class TrackingMonitor:
     """Knows the joints of a robot that is to be driven.
 
-    Parameters
-    ----------
-    joints : TrackedJoints
-        Those of the robot.
-    monitor : JointStateMonitor
-        Hears their states.
-    tolerance : float
-        How far a joint may be off its commands (rad or m); 0 = any distance.
-    delay : float
-        How far they may lag behind these (s).
+    - ``joints``: those of the robot.
+    - ``monitor``: hears their states.
+    - ``tolerance``: how far a joint may be off its commands (rad or m); 0 = any distance.
+    - ``delay``: how far they may lag behind these (s).
     """
 
     def __init__(

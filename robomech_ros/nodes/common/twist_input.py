@@ -25,22 +25,11 @@ class TwistInput:
     Stamped ones come on a topic, those without a stamp on the one with ``_unstamped`` behind it.
     What has no stamp counts as new, but as old as it may be after the process was held up.
 
-    Parameters
-    ----------
-    node : Node
-    topic : str
-        Of stamped commands.
-    follow : callable
-        Takes ``[omega, v_x, v_y]`` (rad/s, m/s) and the age of the command (s), or refuses it by a
-        RobomechError.
-    clock : MotionClock
-
-    Attributes
-    ----------
-    refusal : str
-        Why the last command was not followed; empty if it was.
-    refused : int
-        How many were not.
+    - ``topic``: of stamped commands.
+    - ``follow``: takes ``[omega, v_x, v_y]`` (rad/s, m/s) and the age of the command (s), or
+      refuses it by a RobomechError.
+    - ``refusal``: why the last command was not followed; empty if it was.
+    - ``refused``: how many were not.
     """
 
     def __init__(

@@ -38,13 +38,8 @@ class MovingFrames:
     While nobody else publishes there, nothing is read.  Messages do not say who sent them: of those
     with a stamp and frames of its own, as many as the node itself has sent are its own.
 
-    Parameters
-    ----------
-    node : Node
-    publisher : FramePublisher
-        Its own.
-    rate : float
-        How often frames are due (Hz).
+    - ``publisher``: its own.
+    - ``rate``: how often frames are due (Hz).
     """
 
     def __init__(self, node: Node, publisher: FramePublisher, rate: float) -> None:
@@ -94,11 +89,7 @@ class MovingFrames:
 class FixedFrames:
     """Frames that others publish on /tf_static, and that are not gone with them.
 
-    Parameters
-    ----------
-    node : Node
-    publisher : FramePublisher
-        Its own.
+    - ``publisher``: its own.
     """
 
     def __init__(self, node: Node, publisher: FramePublisher) -> None:
@@ -150,16 +141,10 @@ def _children(message: Any) -> set[str]:
 class UnclaimedFrames:
     """Has a publisher publish those frames of a robot that nobody else does, whoever comes or goes.
 
-    Parameters
-    ----------
-    node : Node
-        Owner of the timer and the log, which says at every change who publishes what.
-    publisher : FramePublisher
-        Of all frames.
-    robot : str
-        Name of the robot.
-    rate : float
-        How often frames are due (Hz).
+    - ``node``: owner of the timer and the log, which says at every change who publishes what.
+    - ``publisher``: of all frames.
+    - ``robot``: name of the robot.
+    - ``rate``: how often frames are due (Hz).
     """
 
     def __init__(self, node: Node, publisher: FramePublisher, robot: str, rate: float) -> None:

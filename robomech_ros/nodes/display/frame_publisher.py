@@ -35,30 +35,14 @@ class FramePublisher:
     Links behind a joint of several degrees of freedom are left out: where such a link is, others
     know, such as an odometry.
 
-    Parameters
-    ----------
-    node : Node
-    description : RobotDescription
-        The robot; the frame of each joint's child is that of the joint, as in a URDF.
-    prefix : str
-        What the names of frames begin with.
-    message : type
-        tf2_msgs/TFMessage.
-
-    Attributes
-    ----------
-    moving, fixed : tuple of str
-        The frames of links that move in the one before them, and of those that do not.
-    topic, fixed_topic : str
-        Full names of the topics.
-    turns : int
-        How many times frames were due so far.
-    sent : deque of tuple of int and frozenset of str
-        The latest messages on /tf: ROS time (ns) and frames.
-    kind : type
-        Of the messages.
-    at_rest : TFMessage or None
-        What was published on /tf_static last.
+    - ``description``: the robot; the frame of each joint's child is that of the joint, as in a
+      URDF.
+    - ``prefix``: what the names of frames begin with.
+    - ``message``: tf2_msgs/TFMessage.
+    - ``moving``, ``fixed``: the frames of links that move in the one before them, and of those that
+      do not.
+    - ``topic``, ``fixed_topic``: full names of the topics.
+    - ``kind``: of the messages.
     """
 
     def __init__(self, node: Node, description: RobotDescription, prefix: str, message: Any):
@@ -75,19 +59,17 @@ class FramePublisher:
         self._publisher = node.create_publisher(message, "/tf", _DEPTH)
         self._latched = node.create_publisher(message, "/tf_static", LATCHED)
         self.topic, self.fixed_topic = self._publisher.topic_name, self._latched.topic_name
-        self.turns = 0
+        self.turns = 0  #: How many times frames were due so far.
+        #: The latest messages on /tf: ROS time (ns) and frames.
         self.sent: deque[tuple[int, frozenset[str]]] = deque(maxlen=_SENT)
-        self.at_rest: Any = None
+        self.at_rest: Any = None  #: What was published on /tf_static last.
         # Replaced as a whole: frames are published in another thread.
         self._frames: _Moving | None = None
 
     def choose(self, moving: Collection[str], fixed: Collection[str]) -> None:
         """Publish these frames from now on, and those that do not move at once.
 
-        Parameters
-        ----------
-        moving, fixed : collection of str
-            Parts of the attributes of these names.
+        - ``moving``, ``fixed``: parts of the attributes of these names.
         """
         still = [joint for frame, joint in self._of_fixed.items() if frame in fixed]
         self.at_rest = self.kind(transforms=self._transforms(still))
@@ -103,12 +85,8 @@ class FramePublisher:
     def publish(self, positions: Mapping[str, float], stamp: tuple[int, int]) -> None:
         """Publish the frames of the joints that move.
 
-        Parameters
-        ----------
-        positions : mapping
-            Of every joint that moves (rad or m).
-        stamp : tuple of two int
-            ROS time (s and ns) at which the joints were there.
+        - ``positions``: of every joint that moves (rad or m).
+        - ``stamp``: ROS time (s and ns) at which the joints were there.
         """
         self.turns += 1
         frames = self._frames

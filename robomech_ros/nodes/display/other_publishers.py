@@ -11,25 +11,16 @@ PERIOD = 0.5
 class OtherPublishers:
     """Finds the publishers of a topic that are not a node's own.
 
-    Parameters
-    ----------
-    node : Node
-        Its own publishers do not count, as many as there are; a namesake's do.
-    topic : str
-        Full name.
-
-    Attributes
-    ----------
-    nodes : tuple of str
-        Full names of their nodes, one for each publisher, as of the last look.
-    one_left : bool
-        Whether a publisher that was there at the look before was gone at the last.
+    - ``node``: its own publishers do not count, as many as there are; a namesake's do.
+    - ``topic``: full name.
     """
 
     def __init__(self, node: Node, topic: str) -> None:
         self._node, self._topic = node, topic
         self._known: set[bytes] = set()
+        #: Full names of their nodes, one for each publisher, as of the last look.
         self.nodes: tuple[str, ...] = ()
+        #: Whether a publisher that was there at the look before was gone at the last.
         self.one_left = False
 
     def look(self) -> tuple[str, ...]:

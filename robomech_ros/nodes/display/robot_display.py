@@ -28,16 +28,10 @@ class DescriptionPublisher:
 
     Two latched publishers would leave it to chance which robot a late subscriber gets.
 
-    Parameters
-    ----------
-    node : Node
-        Owner of publisher, timer and log.
-    text : str
-        The document.
-    topic : str
-        Where it is published.
-    what : str
-        What it is, for the log.
+    - ``node``: owner of publisher, timer and log.
+    - ``text``: the document.
+    - ``topic``: where it is published.
+    - ``what``: what it is, for the log.
     """
 
     def __init__(self, node: Node, text: str, topic: str, what: str) -> None:
@@ -77,20 +71,12 @@ class RobotDisplay:
     Frames are those of the description that is published: in the one of a robot from a table, more
     links are needed than the table has.
 
-    Parameters
-    ----------
-    node : Node
-    description : RobotDescription
-    prefix : str
-        What the names of its frames begin with.
-    frames : str
-        Whether frames are published: auto (those that nobody else publishes), always or never.
-    rate : float
-        How often `publish` is called (Hz).
-    describe : bool
-        Whether the description is published, unless somebody else does.
-    semantic : str, optional
-        The SRDF that is published, unless somebody else does; empty for none.
+    - ``prefix``: what the names of its frames begin with.
+    - ``frames``: whether frames are published: auto (those that nobody else publishes), always or
+      never.
+    - ``rate``: how often `publish` is called (Hz).
+    - ``describe``: whether the description is published, unless somebody else does.
+    - ``semantic``: the SRDF that is published, unless somebody else does; empty for none.
     """
 
     def __init__(

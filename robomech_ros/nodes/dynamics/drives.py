@@ -12,32 +12,16 @@ from robomech_ros.typing import Array
 class Drives:
     """The m drives of a robot with n joints: all of a chain, some of a parallel robot.
 
-    Parameters
-    ----------
-    model : RobotModel
-    joints : JointPositions
-        Reads states, and knows the present posture.
-
-    Attributes
-    ----------
-    system : DynamicSystem
-        What is asked for its dynamics, without a payload.
-    names : tuple of str
-        The drives.
-    joint_names : tuple of str
-        All joints.
-    places : ndarray of int, shape (m,)
-        Where the drives are among these.
-    linkage : SerialChain or Mechanism
-        What states are read for.
-    home : ndarray, shape (n,)
-        A posture of it (rad or m).
+    - ``joints``: reads states, and knows the present posture.
+    - ``names``: the drives.
+    - ``joint_names``: all joints.
+    - ``home``: a posture of it (rad or m), shape (n,).
     """
 
     def __init__(self, model: RobotModel, joints: JointPositions) -> None:
-        self.system: DynamicSystem
+        self.system: DynamicSystem  #: What is asked for its dynamics, without a payload.
         if model.mechanism is None:
-            self.linkage: Linkage = model.chain
+            self.linkage: Linkage = model.chain  #: What states are read for.
             self.system, self.home = ChainDynamics(model.chain), model.chain.midrange()
         else:
             from robomech_ros.parallel import ParallelDynamics
@@ -45,16 +29,14 @@ class Drives:
             self.linkage, self.home = model.mechanism, model.mechanism.home()
             self.system = ParallelDynamics(model.mechanism)
         self.names, self.joint_names = self.system.drive_names, self.system.joint_names
-        self.places = self.system.drives_at
+        self.places = self.system.drives_at  #: Where the drives are among these, shape (m,).
         self._joints = joints
 
     def named(self, names: list[str]) -> tuple[str, ...]:
         """Say which joints a list is to name: all of them if it is that long, else the drives.
 
-        Raises
-        ------
-        JointMismatchError
-            Some passive joints of a parallel robot are among them, and not all.
+        Raises JointMismatchError: some passive joints of a parallel robot are among them, and not
+        all.
         """
         if len(names) == len(self.joint_names):
             return self.joint_names
@@ -71,12 +53,8 @@ class Drives:
         Loops of a parallel robot are closed, each row in the assembly mode of that before, and the
         first in that of the present posture, or nearest to home where it is not known.
 
-        Raises
-        ------
-        LoopClosureError
-            All joints are given, and leave loops open.
-        OutcomeError
-            The drives can hold the platform nowhere, or a singular posture is in their way.
+        Raises LoopClosureError: all joints are given, and leave loops open. OutcomeError: the
+        drives can hold the platform nowhere, or a singular posture is in their way.
         """
         loops = self._joints.loops
         if loops is None:

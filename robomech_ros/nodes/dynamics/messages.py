@@ -37,21 +37,12 @@ _SUMMARISED = (
 class Motions:
     """States of a robot with n joints and m drives, which are all joints of a chain.
 
-    Attributes
-    ----------
-    order : list of int
-        Where each drive is among the names of the request.
-    width : int
-        How many names these are.
-    q : ndarray, shape (k, n)
-        Positions of all joints (rad or m).
-    qd, qdd : ndarray, shape (k, m)
-        Rates and accelerations of the drives, per s and s^2.
+    - ``qd``, ``qdd``: rates and accelerations of the drives, per s and s^2, shape (k, m).
     """
 
-    order: list[int]
-    width: int
-    q: Array
+    order: list[int]  #: Where each drive is among the names of the request.
+    width: int  #: How many names these are.
+    q: Array  #: Positions of all joints (rad or m), shape (k, n).
     qd: Array
     qdd: Array
 
@@ -64,19 +55,12 @@ class Motions:
     def torques(self, system: DynamicSystem, gravity: Array, wrench: Array) -> dict[str, Array]:
         """Compute the torques, and what of them gravity, rates and accelerations take.
 
-        Parameters
-        ----------
-        system : DynamicSystem
-            The robot with all that it carries.
-        gravity : ndarray, shape (3,)
-            In the base (m/s^2).
-        wrench : ndarray, shape (k, 6)
-            What the surroundings exert on the tip, moment first, in the base (N m and N).
+        - ``system``: the robot with all that it carries.
+        - ``gravity``: in the base (m/s^2), shape (3,).
+        - ``wrench``: what the surroundings exert on the tip, moment first, in the base (N m and N),
+          shape (k, 6).
 
-        Returns
-        -------
-        dict of str to ndarray, shape (k, m)
-            By the name of the field of the response (N m or N).
+        Returns arrays (k, m) by the name of the field of the response (N m or N).
         """
         q, qd, qdd = self.q, self.qd, self.qdd
         none, weightless = np.zeros_like(qd), np.zeros(3)
@@ -92,21 +76,14 @@ class Motions:
 def motions(points: Any, joint_names: Any, drives: Drives) -> Motions:
     """Read trajectory points as states.
 
-    Parameters
-    ----------
-    points : sequence of JointTrajectoryPoint
-        Velocities and accelerations may be empty, which is 0.
-    joint_names : sequence of str
-        The order of the numbers: drives or all joints; empty = the drives in their order.
-    drives : Drives
-        Of the robot.
+    - ``points``: sequence of JointTrajectoryPoint; velocities and accelerations may be empty, which
+      is 0.
+    - ``joint_names``: sequence of str; the order of the numbers: drives or all joints; empty = the
+      drives in their order.
+    - ``drives``: of the robot.
 
-    Raises
-    ------
-    UnknownJointError
-        With the point and the joint at fault.
-    BadValueError, OutcomeError
-        As :meth:`Drives.postures`.
+    Raises UnknownJointError: with the point and the joint at fault. BadValueError, OutcomeError: as
+    :meth:`Drives.postures`.
     """
     names = list(joint_names) or list(drives.names)
     wanted = drives.named(names)
@@ -169,26 +146,14 @@ async def tip_wrench(
 ) -> Array:
     """Read the wrench that the surroundings exert on the tip, moment first, in the base's axes.
 
-    Parameters
-    ----------
-    message : WrenchStamped
-        In the axes of any frame that the robot or tf knows.
-    frames : RobotFrames
-    joint_names : sequence of str
-        The n joints.
-    q : ndarray, shape (m, n)
-        Joint values (rad or m) of the states in which it acts.
-    patience : float
-        How long to wait for the frame (s).
+    - ``message``: in the axes of any frame that the robot or tf knows.
+    - ``joint_names``: the n joints.
+    - ``q``: joint values (rad or m) of the states in which it acts, shape (m, n).
+    - ``patience``: how long to wait for the frame (s).
 
-    Returns
-    -------
-    ndarray, shape (m, 6)
-        N m and N, at the tip's origin.
+    Returns an array (m, 6), N m and N, at the tip's origin.
 
-    Raises
-    ------
-    FrameUnavailableError, NoStateError
+    Raises FrameUnavailableError, NoStateError.
     """
     force = _vector(message.wrench.force, "tip_wrench.wrench.force")
     moment = _vector(message.wrench.torque, "tip_wrench.wrench.torque")
@@ -205,10 +170,8 @@ async def tip_wrench(
 def payload_body(inertia: Inertia, frame: str, chain: SerialChain) -> Body | None:
     """Read a load, in the frame of the tip; None = no load.
 
-    Raises
-    ------
-    UnknownLinkError, BadValueError
-        The frame is not fixed to the tip, or no body has these numbers.
+    Raises UnknownLinkError, BadValueError: the frame is not fixed to the tip, or no body has these
+    numbers.
     """
     link = chain.link_frame(frame or chain.tip)
     if link.joints != chain.n:

@@ -14,36 +14,19 @@ _STAMP = attrgetter("stamp")
 
 
 class Sample(NamedTuple):
-    """Pose of a frame in its parent at an instant.
+    """Pose of a frame in its parent at an instant."""
 
-    Attributes
-    ----------
-    stamp : int
-        ns of ROS time.
-    parent : str
-    place : tuple of three float
-        Of its origin, in the parent (m).
-    turn : tuple of four float
-        Unit quaternion x, y, z, w.
-    """
-
-    stamp: int
+    stamp: int  #: ns of ROS time.
     parent: str
-    place: tuple[float, ...]
-    turn: tuple[float, ...]
+    place: tuple[float, ...]  #: Of its origin, in the parent (m).
+    turn: tuple[float, ...]  #: Unit quaternion x, y, z, w.
 
 
 class FrameHistory:
-    """The samples of one frame, in the order of their stamps, or one that holds for ever.
-
-    Attributes
-    ----------
-    static : bool
-        Whether its one sample holds at every instant.
-    """
+    """The samples of one frame, in the order of their stamps, or one that holds for ever."""
 
     def __init__(self) -> None:
-        self.static = False
+        self.static = False  #: Whether its one sample holds at every instant.
         self._samples: list[Sample] = []
 
     def __len__(self) -> int:
@@ -67,12 +50,8 @@ class FrameHistory:
     def add(self, sample: Sample, now: int) -> None:
         """Keep a sample; what is older than the window before the newest is let go.
 
-        Parameters
-        ----------
-        sample : Sample
-        now : int
-            ROS time (ns).  Samples from farther ahead than the window give way to one that is not:
-            the clock of their sender was wrong, or simulated time began anew.
+        - ``now``: ROS time (ns). Samples from farther ahead than the window give way to one that is
+          not: the clock of their sender was wrong, or simulated time began anew.
         """
         samples = self._samples
         if self.static:

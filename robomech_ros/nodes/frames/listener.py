@@ -29,30 +29,16 @@ _LARGEST_MESSAGE, _LARGEST_LOOK = 200_000, 1_000_000
 
 
 class FrameListener:
-    """Knows the frames that others publish.
-
-    Parameters
-    ----------
-    node : Node
-
-    Attributes
-    ----------
-    tree : FrameTree
-        As of the last look.
-    missing : str
-        Why there is nothing to listen to; empty where tf2_msgs is installed.
-    fault : str
-        What of what was heard could not be used at last; empty if all could, or if the same frame
-        was heard of rightly since.
-    receiving_since : float
-        When the first of the frames in the tree was heard of (s, on the monotonic clock), infinite
-        while there is none.
-    """
+    """Knows the frames that others publish."""
 
     def __init__(self, node: Node) -> None:
-        self.tree = FrameTree()
-        self.missing = ""
+        self.tree = FrameTree()  #: As of the last look.
+        self.missing = ""  #: Why there is nothing to listen to; empty where tf2_msgs is installed.
+        #: What of what was heard could not be used at last; empty if all could, or if the same
+        #: frame was heard of rightly since.
         self.fault = ""
+        #: When the first of the frames in the tree was heard of (s, on the monotonic clock),
+        #: infinite while there is none.
         self.receiving_since = math.inf
         self._faulty = ""
         self._clock = node.get_clock()

@@ -34,17 +34,11 @@ _UNKNOWN_FRAME_WAIT = 0.5
 
 @dataclass(frozen=True, eq=False)
 class FrameAttachment:
-    """Location of a frame, as far as joints do not move it.
+    """Location of a frame, as far as joints do not move it."""
 
-    Attributes
-    ----------
-    chain : SerialChain or None
-        From the base to the link that carries the frame; None where that is the base.
-    offset : ndarray, shape (4, 4), or None
-        Pose of the frame in that link (m); None for the link itself.
-    """
-
+    #: From the base to the link that carries the frame; None where that is the base.
     chain: SerialChain | None
+    #: Pose of the frame in that link (m); None for the link itself, shape (4, 4) or None.
     offset: Array | None
 
     @property
@@ -79,19 +73,8 @@ class RobotFrames:
     Links of the robot come from its description and the joints; any other frame from tf, by the
     link that carries it or by the base.
 
-    Parameters
-    ----------
-    node : Node
-    model : RobotModel
-    monitor : JointStateMonitor
-        Its present state.
-    settings : callable
-        Gives the parameters as they are now.
-
-    Attributes
-    ----------
-    model : RobotModel
-    monitor : JointStateMonitor
+    - ``monitor``: its present state.
+    - ``settings``: gives the parameters as they are now.
     """
 
     def __init__(
@@ -108,18 +91,11 @@ class RobotFrames:
     def find(self, frame: str, stamp: Time | None = None) -> FrameAttachment:
         """Find a frame in what is known now.
 
-        Parameters
-        ----------
-        frame : str
-            "" is the base.
-        stamp : Time, optional
-            Instant at which the frame was there, for frames that move; 0 or None is now.
+        - ``frame``: "" is the base.
+        - ``stamp``: instant at which the frame was there, for frames that move; 0 or None is now.
 
-        Raises
-        ------
-        FrameUnavailableError
-            Neither the robot has it nor tf, or tf does not connect it with the robot, or not at
-            this instant, or its news are too old.
+        Raises FrameUnavailableError: neither the robot has it nor tf, or tf does not connect it
+        with the robot, or not at this instant, or its news are too old.
         """
         try:
             return self._find(frame, _instant(stamp))
@@ -134,9 +110,7 @@ class RobotFrames:
         A frame that is nowhere in tf is waited for no longer than half a second, as soon as tf has
         had others for that long.
 
-        Raises
-        ------
-        FrameUnavailableError
+        Raises FrameUnavailableError.
         """
         instant, begun = _instant(stamp), time.monotonic()
         while True:
@@ -155,23 +129,13 @@ class RobotFrames:
     ) -> Array | None:
         """Return the pose of a frame in the base, (4, 4) (m); None for the base itself.
 
-        Parameters
-        ----------
-        frame : str
-        patience : float
-            How long to wait for the frame, and for the joints that move it (s).
-        stamp : Time, optional
-            As for `find`.
-        at : mapping, optional
-            Positions (rad or m) of joints that are not to be the present ones; with positions in
-            many states the pose is of shape (..., 4, 4), where these joints move it.
+        - ``patience``: how long to wait for the frame, and for the joints that move it (s).
+        - ``stamp``: as for `find`.
+        - ``at``: positions (rad or m) of joints that are not to be the present ones; with positions
+          in many states the pose is of shape (..., 4, 4), where these joints move it.
 
-        Raises
-        ------
-        FrameUnavailableError
-            As `find` raises it.
-        NoStateError
-            Joints move the frame, and where they are is not known.
+        Raises FrameUnavailableError: as `find` raises it. NoStateError: joints move the frame, and
+        where they are is not known.
         """
         if not frame:
             return None

@@ -23,35 +23,19 @@ _NANO = 1e-9
 
 
 class NoTransformError(RobomechError):
-    """tf does not say where a frame is in another one.
-
-    Attributes
-    ----------
-    may_come : bool
-        Whether the next messages may change that.
-    """
+    """tf does not say where a frame is in another one."""
 
     def __init__(self, why: str, may_come: bool = True) -> None:
-        self.may_come = may_come
+        self.may_come = may_come  #: Whether the next messages may change that.
         super().__init__(why)
 
 
 class TransformResult(NamedTuple):
-    """Pose of a frame in another one.
+    """Pose of a frame in another one."""
 
-    Attributes
-    ----------
-    pose : ndarray, shape (4, 4)
-        Of the source in the target (m).
-    stamp : int or None
-        ROS time (ns) at which it was there; None if that does not change.
-    slowest : str
-        The frame on the way whose news are oldest; empty if nothing changes.
-    """
-
-    pose: Array
-    stamp: int | None
-    slowest: str
+    pose: Array  #: Of the source in the target (m), shape (4, 4).
+    stamp: int | None  #: ROS time (ns) at which it was there; None if that does not change.
+    slowest: str  #: The frame on the way whose news are oldest; empty if nothing changes.
 
 
 class FrameTree:
@@ -78,20 +62,11 @@ class FrameTree:
     def insert(self, child: str, sample: Sample, now: int, *, static: bool) -> str:
         """Take in where a frame is in its parent.
 
-        Parameters
-        ----------
-        child : str
-        sample : Sample
-            With any quaternion near unit length; it is made a unit.
-        now : int
-            ROS time (ns).
-        static : bool
-            Whether it holds for ever.
+        - ``sample``: with any quaternion near unit length; it is made a unit.
+        - ``now``: ROS time (ns).
+        - ``static``: whether it holds for ever.
 
-        Returns
-        -------
-        str
-            Why it was passed over; empty if it was not.
+        Returns why it was passed over; empty if it was not.
         """
         if fault := self._fault_of(child, sample):
             return fault
@@ -135,16 +110,9 @@ class FrameTree:
     def path_to_root(self, frame: str, stamp: int | None = None) -> list[str]:
         """List a frame, its parent and so on up to the root of its tree.
 
-        Parameters
-        ----------
-        frame : str
-        stamp : int, optional
-            Instant (ns) for frames that change their parents; default what was heard last.
+        - ``stamp``: instant (ns) for frames that change their parents; default what was heard last.
 
-        Raises
-        ------
-        NoTransformError
-            There is no such frame, or the way is a circle.
+        Raises NoTransformError: there is no such frame, or the way is a circle.
         """
         if frame not in self:
             text = f"tf has no frame {frame[:200]!r}" if self._histories else "tf has no frames yet"
@@ -163,17 +131,10 @@ class FrameTree:
     def between(self, target: str, source: str, stamp: int | None = None) -> TransformResult:
         """Find where a frame is in another one.
 
-        Parameters
-        ----------
-        target, source : str
-        stamp : int, optional
-            Instant (ns); default the last for which every frame on the way was heard of.
+        - ``stamp``: instant (ns); default the last for which every frame on the way was heard of.
 
-        Raises
-        ------
-        NoTransformError
-            A frame is not known, the two belong to different trees, the way is a circle, or the
-            instant is not among those kept.
+        Raises NoTransformError: a frame is not known, the two belong to different trees, the way is
+        a circle, or the instant is not among those kept.
         """
         up, down = self._paths(target, source, stamp)
         moving = [frame for frame in (*up, *down) if not self._histories[frame].static]

@@ -37,19 +37,14 @@ from robomech_ros.typing import Array
 
 @dataclass(frozen=True, eq=False)
 class GraspAnalysis:
-    """Analysis of contacts, and of the hand that makes them if its state is specified.
-
-    Attributes
-    ----------
-    of_hand : tuple of Hand, ndarray and GraspMobility, or None
-        The hand, its Jacobian, and the mobility of the grasp.
-    """
+    """Analysis of contacts, and of the hand that makes them if its state is specified."""
 
     force_closed: bool
     form_closed: bool
     quality: GraspQuality
     grasp_matrix: Array
     internal_forces: Array
+    #: The hand, its Jacobian, and the mobility of the grasp.
     of_hand: tuple[Hand, Array, GraspMobility] | None = None
 
     def fill(self, frame: str, response: Any) -> Any:
@@ -102,19 +97,10 @@ def analysed(
 ) -> GraspAnalysis:
     """Analyse contacts.
 
-    Parameters
-    ----------
-    contacts : sequence of Contact
-    matrix : ndarray, shape (6, m), or (3, m) in the plane
-        Their grasp matrix about the origin.
-    made_by : HandPosture or None
-    **options
-        Of :func:`grasp_quality`.
+    - ``matrix``: their grasp matrix about the origin, shape (6, m), or (3, m) in the plane.
+    - ``**options``: of :func:`grasp_quality`.
 
-    Raises
-    ------
-    RobomechError
-        Contacts that the hand cannot make, or a tolerance or length that is none.
+    Raises RobomechError: contacts that the hand cannot make, or a tolerance or length that is none.
     """
     quality = grasp_quality(contacts, **options)
     closed = is_force_closed(contacts), is_form_closed(contacts)

@@ -30,10 +30,8 @@ def read_points(positions: Sequence[Any]) -> Array:
 def read_contacts(request: Any) -> list[Contact]:
     """Read the contacts of a request.
 
-    Raises
-    ------
-    BadValueError
-        The contact at fault is named by its number; one out of the plane of a planar grasp, too.
+    Raises BadValueError: the contact at fault is named by its number; one out of the plane of a
+    planar grasp, too.
     """
     points = read_points(request.positions)
     count = len(points)
@@ -122,12 +120,8 @@ class HandPosture(NamedTuple):
 class GivenHand:
     """The hand of the node, for requests that name it.
 
-    Parameters
-    ----------
-    hand : Hand or None
-        None where the node has none.
-    frame_prefix : str
-        What the names of its frames begin with.
+    - ``hand``: None where the node has none.
+    - ``frame_prefix``: what the names of its frames begin with.
     """
 
     def __init__(self, hand: Hand | None, frame_prefix: str) -> None:

@@ -26,16 +26,7 @@ class ActionBase(ABC, Generic[Motion]):
 
     Its clients see by the liveliness of its status when the process is killed.
 
-    Parameters
-    ----------
-    node : Node
-    joints : CommandedJoints
-    kind : type
-        The action.
-    name : str
-        Its name.
-    options
-        More for the action server.
+    - ``options``: more for the action server.
     """
 
     # Name of its goals in the log.

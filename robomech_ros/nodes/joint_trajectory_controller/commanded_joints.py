@@ -79,35 +79,14 @@ class CommandedJoints:
     Cycles come from another thread than callbacks: its lock is to be held while it or its follower
     is used, other than by `execute`.
 
-    Parameters
-    ----------
-    place : str
-        Where its topics and actions are, such as ``~``.
-    joints : Joints
-        Names and limits of n joints.
-    simulated_joints : SimulatedJoints
-        The joints themselves, where a reset puts them.
-    settings : ControllerSettings
-    clock : MotionClock
-    lock : RLock
-        Shared by all joints that are commanded in one process.
-    start : ndarray, optional
-        Where all joints are at first (rad or m); by default those that are commanded.
-
-    Attributes
-    ----------
-    joint_names : list of str
-        Their names.
-    counts : MotionCounts
-        What has become of trajectories so far.
-    follower : TrajectoryFollower
-        What moves them.
-    tolerances : Tolerances
-        Of trajectories that bring none.
-    refuse_all : str
-        Why no trajectory is accepted any more; empty while trajectories are accepted.
-    fault : str
-        Why the present state may not be published, so that the joints hold; empty if it may.
+    - ``place``: where its topics and actions are, such as ``~``.
+    - ``joints``: names and limits of n joints.
+    - ``simulated_joints``: the joints themselves, where a reset puts them.
+    - ``lock``: shared by all joints that are commanded in one process.
+    - ``start``: where all joints are at first (rad or m); by default those that are commanded.
+    - ``refuse_all``: why no trajectory is accepted any more; empty while trajectories are accepted.
+    - ``fault``: why the present state may not be published, so that the joints hold; empty if it
+      may.
     """
 
     # The state that is published, and where all joints really are (rad or m).
@@ -127,10 +106,12 @@ class CommandedJoints:
         self.place = place
         self.joint_names: Sequence[str] = list(joints.names)
         self.lock = lock
-        self.counts = MotionCounts()
+        self.counts = MotionCounts()  #: What has become of trajectories so far.
         self.refuse_all = self.fault = ""
         self.simulated_joints, self._settings, self._clock = simulated_joints, settings, clock
+        #: Of trajectories that bring none.
         self.tolerances = default_tolerances(settings, self.joint_names, {})
+        #: What moves them.
         self.follower = TrajectoryFollower(
             joints, simulated_joints, follower_settings(settings), clock.now()
         )
@@ -221,23 +202,13 @@ class CommandedJoints:
     ) -> TrajectoryGoal:
         """Execute a trajectory from now on, or from its stamp on.
 
-        Parameters
-        ----------
-        trajectory : JointTrajectory
-            From outside.
-        by : str
-            Who sent it, for the text of the motion that it replaces.
-        on_end : callable
-            Called once, with the result.
-        tolerances : callable, optional
-            Makes the tolerances of the motion from those that hold by default.
-        streamed : bool
-            Whether it may be one of a stream.
+        - ``trajectory``: from outside.
+        - ``by``: who sent it, for the text of the motion that it replaces.
+        - ``on_end``: called once, with the result.
+        - ``tolerances``: makes the tolerances of the motion from those that hold by default.
+        - ``streamed``: whether it may be one of a stream.
 
-        Raises
-        ------
-        RobomechError
-            It is refused; the present motion goes on.
+        Raises RobomechError: it is refused; the present motion goes on.
         """
         try:
             waypoints = self._read(trajectory)

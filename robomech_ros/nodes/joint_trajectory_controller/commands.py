@@ -30,12 +30,7 @@ _SAME = 1e-6
 class TrajectoryTopic:
     """Executes what comes on the topic joint_trajectory.
 
-    Parameters
-    ----------
-    node : Node
-    joints : CommandedJoints
-    on_refused : callable
-        Called when a trajectory was refused, whose sender gets no answer.
+    - ``on_refused``: called when a trajectory was refused, whose sender gets no answer.
     """
 
     def __init__(self, node: Node, joints: CommandedJoints, on_refused: Callable[[], None]) -> None:
@@ -90,13 +85,8 @@ def log_end(log: ThrottledLog, what: str, result: GoalResult) -> None:
 class Commands:
     """The services hold, of the arm, and reset, of the whole robot.
 
-    Parameters
-    ----------
-    node : Node
-    commanded : sequence of CommandedJoints
-        The arm, and what else is put back; they share a lock.
-    on_reset : callable
-        Called when the robot was put elsewhere at once; the lock is held.
+    - ``commanded``: the arm, and what else is put back; they share a lock.
+    - ``on_reset``: called when the robot was put elsewhere at once; the lock is held.
     """
 
     def __init__(

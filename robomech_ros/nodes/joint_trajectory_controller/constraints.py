@@ -38,14 +38,9 @@ def default_tolerances(
 ) -> Tolerances:
     """Make the tolerances that hold where a goal brings none.
 
-    Parameters
-    ----------
-    settings : ControllerSettings
-        Tolerances of all joints.
-    joint_names : sequence of str
-        The n joints.
-    given : mapping
-        The parameters ``constraints``, as far as there are some.
+    - ``settings``: tolerances of all joints.
+    - ``joint_names``: the n joints.
+    - ``given``: the parameters ``constraints``, as far as there are some.
     """
 
     def value(name: str, own: str) -> float:

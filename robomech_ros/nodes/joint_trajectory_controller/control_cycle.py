@@ -23,20 +23,11 @@ def serve_control(
 ) -> tuple[list[ActionBase], Callable[[], None]]:
     """Serve the action follow_joint_trajectory, and topics and services of the controller's state.
 
-    Parameters
-    ----------
-    node : Node
-        Gets them under its own name.
-    robot : SimulatedRobot
-        What executes.
-    clock : MotionClock
+    - ``node``: gets them under its own name.
+    - ``robot``: what executes.
 
-    Returns
-    -------
-    servers : list of ActionBase
-        That of the action; empty where control_msgs is not installed.
-    publish : callable
-        Publishes controller_state.
+    Returns the server of the action, in a list that is empty where control_msgs is not installed,
+    and a callable that publishes controller_state.
     """
     try:
         from robomech_ros.nodes.joint_trajectory_controller.follow_messages import FollowMessages
@@ -52,26 +43,12 @@ def serve_control(
 class ControlCycle:
     """Moves the robot, and publishes its states.
 
-    Parameters
-    ----------
-    node : Node
-    commanded : sequence of CommandedJoints
-        What moves, the robot first; they share a lock.
-    model : RobotModel
-        The whole robot, with the joints that do not belong to the chain.
-    settings : ControllerSettings
-        Which rates there are.
-    publish_control : callable
-        Publishes controller_state.
-    servers : sequence of ActionBase
-        Get their feedback.
-    on_moved : callable
-        Called in every cycle when the robot has moved on; the robot's lock is held.
-
-    Attributes
-    ----------
-    states : StatePublisher
-        Publishes joint_states.
+    - ``commanded``: what moves, the robot first; they share a lock.
+    - ``model``: the whole robot, with the joints that do not belong to the chain.
+    - ``settings``: which rates there are.
+    - ``publish_control``: publishes controller_state.
+    - ``servers``: get their feedback.
+    - ``on_moved``: called in every cycle when the robot has moved on; the robot's lock is held.
     """
 
     def __init__(
@@ -86,7 +63,7 @@ class ControlCycle:
     ) -> None:
         self._log = ThrottledLog(node.get_logger())
         self._robot, self._commanded = commanded[0], commanded
-        self.states = StatePublisher(node, model, commanded)
+        self.states = StatePublisher(node, model, commanded)  #: Publishes joint_states.
         given = bool(settings.robot_description_semantic)
         self._display = RobotDisplay(
             node,

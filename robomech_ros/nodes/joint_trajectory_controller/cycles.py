@@ -22,15 +22,9 @@ class Cycles:
     With simulated time, which comes through the executor, it is a timer of the node.  Cycles that
     are missed are left out, and those after them come when they would have come.
 
-    Parameters
-    ----------
-    node : Node
-        Whose cycle it is.
-    clock : MotionClock
-    rate : float
-        Cycles per second.
-    work : callable
-        What is to be done in each of them.
+    - ``node``: whose cycle it is.
+    - ``rate``: cycles per second.
+    - ``work``: what is to be done in each of them.
     """
 
     def __init__(

@@ -31,21 +31,13 @@ class MotionRanAwayError(OutcomeError):
 class DynamicPlant:
     """Moves joints by drives that a controller of torques commands, a thousand times a second.
 
-    Parameters
-    ----------
-    robot : SerialChain or DynamicSystem
-        Of n joints, with the bodies that they move: what the controller of its m drives knows.
-    settings : ControllerSettings
-        Which controller, how fast, and the payload that it does not know of.
-    posture : ndarray, shape (n,)
-        Where all joints are at first, rad or m.
+    - ``robot``: of n joints, with the bodies that they move: what the controller of its m drives
+      knows.
+    - ``settings``: which controller, how fast, and the payload that it does not know of.
+    - ``posture``: where all joints are at first, rad or m, shape (n,).
 
-    Raises
-    ------
-    MissingInertiaError
-        Nothing is known of the mass of some links, which are named.
-    BadValueError
-        No body can have the mass and inertia of one, or the joints are too many.
+    Raises MissingInertiaError: nothing is known of the mass of some links, which are named.
+    BadValueError: no body can have the mass and inertia of one, or the joints are too many.
     """
 
     def __init__(
@@ -77,10 +69,8 @@ class DynamicPlant:
     def put(self, position: Array) -> DrivenMotion:
         """Have the drives (m,) stand somewhere (rad or m), held against gravity.
 
-        Raises
-        ------
-        OutcomeError
-            The assembly mode of a parallel robot ends before; they stand where they were.
+        Raises OutcomeError: the assembly mode of a parallel robot ends before; they stand where
+        they were.
         """
         still = np.zeros(len(position))
         try:

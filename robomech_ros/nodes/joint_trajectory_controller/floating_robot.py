@@ -32,22 +32,10 @@ _DEPTH = 10
 class FloatingArm(SimulatedRobot):
     """An arm whose base conserves the momentum of all bodies.
 
-    Parameters
-    ----------
-    robot : FloatingChain
-        Chain of n joints.
-    settings : ControllerSettings
-    clock : MotionClock
+    - ``robot``: chain of n joints.
 
-    Attributes
-    ----------
-    base : FloatingBase
-        As of the state that is published.
-
-    Raises
-    ------
-    ParameterError
-        The initial position does not fit the robot, or forces of drives are to be simulated.
+    Raises ParameterError: the initial position does not fit the robot, or forces of drives are to
+    be simulated.
     """
 
     floats = True
@@ -62,6 +50,7 @@ class FloatingArm(SimulatedRobot):
         self._robot, self._momentum = robot, settings.momentum or None
         initial = initial_position(settings, Limits.of(robot.chain), robot.chain.home())
         self._load, self._moved_at = _load(settings), clock.now()
+        #: As of the state that is published.
         self.base = FloatingBase(robot, initial, self._momentum)
         super().__init__(robot.chain.name, robot.chain, initial, settings, clock)
         self._capture(settings)
@@ -100,15 +89,7 @@ class FloatingArm(SimulatedRobot):
 
 
 class BasePublisher:
-    """Publishes the pose and the twist of a floating base on odom, and its frame on /tf.
-
-    Parameters
-    ----------
-    node : Node
-    arm : FloatingArm
-    model : RobotModel
-    settings : ControllerSettings
-    """
+    """Publishes the pose and the twist of a floating base on odom, and its frame on /tf."""
 
     def __init__(
         self, node: Node, arm: FloatingArm, model: RobotModel, settings: ControllerSettings

@@ -35,10 +35,7 @@ _NANO = 1e-9
 class FollowMessages:
     """Reads goals and writes results of FollowJointTrajectory.
 
-    Parameters
-    ----------
-    joint_names : sequence of str
-        The joints of the robot.
+    - ``joint_names``: the joints of the robot.
     """
 
     kind = FollowJointTrajectory
@@ -56,10 +53,7 @@ class FollowMessages:
 
         As in ros2_control the defaults hold, all of them, where one tolerance is at fault.
 
-        Raises
-        ------
-        TrajectoryRefusedError
-            The goal moves joints of several degrees of freedom.
+        Raises TrajectoryRefusedError: the goal moves joints of several degrees of freedom.
         """
         compound = message.multi_dof_trajectory
         if compound.joint_names or compound.points:

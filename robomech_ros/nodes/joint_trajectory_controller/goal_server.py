@@ -36,12 +36,9 @@ _FIELDS = ("path_position_tolerance", "goal_position_tolerance", "goal_velocity_
 class ExecuteMessages:
     """Reads goals and writes results of ExecuteTrajectory.
 
-    Parameters
-    ----------
-    joint_names : sequence of str
-        The joints that trajectories move.
-    others : sequence of str, optional
-        Joints that follow them and may be named, too: the passive ones of a parallel robot.
+    - ``joint_names``: the joints that trajectories move.
+    - ``others``: joints that follow them and may be named, too: the passive ones of a parallel
+      robot.
     """
 
     kind = ExecuteTrajectory
@@ -98,12 +95,7 @@ class ExecuteMessages:
 class GoalServer(ActionBase[TrajectoryGoal]):
     """Serves the action.
 
-    Parameters
-    ----------
-    node : Node
-    robot : CommandedJoints
-    messages : ExecuteMessages or FollowMessages
-        Those of the action: what its goals ask for, and how its results are put.
+    - ``messages``: those of the action: what its goals ask for, and how its results are put.
     """
 
     _what = "goal"

@@ -57,12 +57,8 @@ _STEADY = ClockType.STEADY_TIME
 class Shutdown:
     """Stops the robot and waits until it stands.
 
-    Parameters
-    ----------
-    node : Node
-        What ends.
-    commanded : sequence of CommandedJoints
-        What is to stand; they share a lock.
+    - ``node``: what ends.
+    - ``commanded``: what is to stand; they share a lock.
     """
 
     def __init__(self, node: Node, commanded: Sequence[CommandedJoints]) -> None:

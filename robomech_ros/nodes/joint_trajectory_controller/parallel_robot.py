@@ -45,30 +45,17 @@ def checked_drives(
 ) -> Waypoints:
     """Check a trajectory from a posture on, and give the part of the drives.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Of n joints and m drives.
-    received : Waypoints
-        Of the drives and, behind them, of passive joints; NaN for drives that are not named.
-    passive : sequence of str
-        These passive joints.
-    posture : ndarray, shape (n,)
-        All joints now (rad or m), loops closed.
+    - ``mechanism``: of n joints and m drives.
+    - ``received``: of the drives and, behind them, of passive joints; NaN for drives that are not
+      named.
+    - ``passive``: these passive joints.
+    - ``posture``: all joints now (rad or m), loops closed, shape (n,).
 
-    Returns
-    -------
-    Waypoints
-        Of the drives.
+    Returns the part of the drives.
 
-    Raises
-    ------
-    LimitExceededError
-        A drive is to be outside its limits.
-    OutcomeError
-        It crosses a singularity, or a passive joint leaves its limits: after which point.
-    TrajectoryRefusedError
-        A passive joint is to be where the drives do not move it, as in another assembly mode.
+    Raises LimitExceededError: a drive is to be outside its limits. OutcomeError: it crosses a
+    singularity, or a passive joint leaves its limits: after which point. TrajectoryRefusedError: a
+    passive joint is to be where the drives do not move it, as in another assembly mode.
     """
     m = mechanism.dof
     _require_limits(mechanism, received.positions[:, :m])
@@ -136,18 +123,9 @@ def _require_agreement(
 class ParallelRobot(SimulatedRobot):
     """The drives of a mechanism of n joints, and where all joints are then.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-    settings : ControllerSettings
-    clock : MotionClock
-
-    Raises
-    ------
-    ParameterError
-        The initial position does not fit the robot, or parameters do not go together.
-    MissingInertiaError
-        The robot is to be simulated with its dynamics, and nothing is known of its platform.
+    Raises ParameterError: the initial position does not fit the robot, or parameters do not go
+    together. MissingInertiaError: the robot is to be simulated with its dynamics, and nothing is
+    known of its platform.
     """
 
     def __init__(

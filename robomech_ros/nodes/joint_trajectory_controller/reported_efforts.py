@@ -19,15 +19,9 @@ _OLDEST = NANO // 2
 class ReportedEfforts:
     """Keeps the latest efforts of all joints of a robot, from a topic.
 
-    Parameters
-    ----------
-    node : Node
-    topic : str
-        Of JointState messages with efforts (N m or N).
-    names : sequence of str
-        Joints whose efforts are kept, in this order.
-    lock : context manager
-        Held while efforts change, and to be held while they are read.
+    - ``topic``: of JointState messages with efforts (N m or N).
+    - ``names``: joints whose efforts are kept, in this order.
+    - ``lock``: held while efforts change, and to be held while they are read.
     """
 
     def __init__(

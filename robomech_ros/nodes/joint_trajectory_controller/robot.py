@@ -35,25 +35,13 @@ if TYPE_CHECKING:
 class SimulatedRobot(CommandedJoints):
     """The joints that trajectories command, moved exactly, with a lag, or by forces of drives.
 
-    Parameters
-    ----------
-    name : str
-        What the robot is called.
-    limits : JointLimits
-        Names and limits of the n joints.
-    initial : ndarray, shape (n,)
-        Where they are at start, rad or m.
-    settings : ControllerSettings
-    clock : MotionClock
-    plant : DynamicPlant, optional
-        The drives and what they move, where forces are simulated.
-    start : ndarray, optional
-        Where all joints are at start (rad or m), if others than these n are published, too.
-
-    Attributes
-    ----------
-    floats : bool
-        Whether its base moves freely.
+    - ``name``: what the robot is called.
+    - ``limits``: names and limits of the n joints.
+    - ``initial``: where they are at start, rad or m, shape (n,).
+    - ``plant``: the drives and what they move, where forces are simulated.
+    - ``start``: where all joints are at start (rad or m), if others than these n are published,
+      too.
+    - ``floats``: whether its base moves freely.
     """
 
     floats = False
@@ -106,12 +94,9 @@ def serial_robot(
 ) -> SimulatedRobot:
     """Make the simulated arm of a chain.
 
-    Raises
-    ------
-    ParameterError
-        The initial position does not fit the robot, or parameters do not go together.
-    MissingInertiaError, BadValueError
-        The robot is to be simulated with its dynamics, and its bodies are not known or impossible.
+    Raises ParameterError: the initial position does not fit the robot, or parameters do not go
+    together. MissingInertiaError, BadValueError: the robot is to be simulated with its dynamics,
+    and its bodies are not known or impossible.
     """
     check_simulation(settings)
     initial = initial_position(settings, Limits.of(chain), chain.home())
@@ -124,10 +109,8 @@ def legged_robot(
 ) -> SimulatedRobot:
     """Make the simulated joints of all legs.
 
-    Raises
-    ------
-    ParameterError
-        The initial position does not fit the robot, or its forces are to be simulated.
+    Raises ParameterError: the initial position does not fit the robot, or its forces are to be
+    simulated.
     """
     check_simulation(settings)
     if settings.simulation != KINEMATIC:

@@ -236,10 +236,8 @@ class ControllerSettings(FloatingSettings, GripperNames):
 def check_simulation(settings: ControllerSettings, floating: bool = False) -> None:
     """Check that parameters of the simulation go together.
 
-    Raises
-    ------
-    ParameterError
-        One belongs to the other kind of simulation, or a vector does not have three numbers.
+    Raises ParameterError: one belongs to the other kind of simulation, or a vector does not have
+    three numbers.
     """
     other = "tracking_lag" if settings.simulation == DYNAMIC else "payload_mass"
     value = getattr(settings, other)
@@ -271,10 +269,8 @@ def follower_settings(settings: ControllerSettings) -> FollowerSettings:
 def initial_position(settings: ControllerSettings, limits: Limits, home: Array) -> Array:
     """Return the initial position (rad or m), shape (n,): that of the parameter, else home.
 
-    Raises
-    ------
-    ParameterError
-        The parameter does not have one position for every joint, or one is outside its limits.
+    Raises ParameterError: the parameter does not have one position for every joint, or one is
+    outside its limits.
     """
     given = settings.initial_positions
     if not given:
@@ -297,10 +293,7 @@ def faults_of(
 ) -> Faults:
     """Read the faults of the joints of a robot; its fingers may be stuck, too.
 
-    Raises
-    ------
-    ParameterError
-        A joint that the robot does not have, or not one offset for every joint.
+    Raises ParameterError: a joint that the robot does not have, or not one offset for every joint.
     """
     names = list(joint_names)
     stuck = listed_names(settings.fault_stuck_joints)

@@ -23,22 +23,13 @@ class StatePublisher:
     to it.  Efforts of drives that are not known are NaN; those that another node reports are there
     for all joints, or for none.
 
-    Parameters
-    ----------
-    node : Node
-    model : RobotModel
-        The robot and its chain.
-    commanded : sequence of CommandedJoints
-        What moves: the joints of the chain, and those of a gripper.
-
-    Attributes
-    ----------
-    reported : ReportedEfforts or None
-        Efforts of the joints in the order of ``names``, if another node reports them.
+    - ``model``: the robot and its chain.
+    - ``commanded``: what moves: the joints of the chain, and those of a gripper.
     """
 
     def __init__(self, node: Node, model: RobotModel, commanded: Sequence[CommandedJoints]) -> None:
         description = model.description
+        #: Efforts of the joints in the order of ``names``, if another node reports them.
         self.reported: ReportedEfforts | None = None
         names = list(dict.fromkeys((*commanded[0].shown_names, *model.joint_names)))
         at_rest = description.joint_positions(description.home)

@@ -25,12 +25,6 @@ class StateTopics:
     """Publishes states while somebody subscribes, and answers where the joints should be.
 
     Clients also say here at which part of its speed trajectories are followed.
-
-    Parameters
-    ----------
-    node : Node
-    robot : CommandedJoints
-    clock : MotionClock
     """
 
     def __init__(self, node: Node, robot: CommandedJoints, clock: MotionClock) -> None:

@@ -36,39 +36,20 @@ from robomech_ros.typing import Array, BoolArray, IntArray
 
 
 class _ReachableSpace(NamedTuple):
-    """Workspace of a chain, the same for all poses.
+    """Workspace of a chain, the same for all poses."""
 
-    Attributes
-    ----------
-    reach : tuple of two float
-        Least and greatest distance of the tip from the first joint (m).
-    length : float
-        Characteristic length (m); NaN for an arm that has none.
-    boundary : Workspace or None
-        None for an arm without a positioning part.
-    centre : ndarray, shape (3,)
-        The point that this part places, in the frame of the tip (m).
-    markers : list of Marker
-        Drawing of the boundary.
-    """
-
-    reach: tuple[float, float]
-    length: float
-    boundary: Workspace | None
-    centre: Array
-    markers: list[Marker]
+    reach: tuple[float, float]  #: Least and greatest distance of the tip from the first joint (m).
+    length: float  #: Characteristic length (m); NaN for an arm that has none.
+    boundary: Workspace | None  #: None for an arm without a positioning part.
+    centre: Array  #: The point that this part places, in the frame of the tip (m), shape (3,).
+    markers: list[Marker]  #: Drawing of the boundary.
 
 
 class ChainManipulator:
     """Kinematics of an arm.
 
-    Parameters
-    ----------
-    model : RobotModel
-    joints : JointPositions
-        Reads states.
-    worker : Worker
-        Computes what takes long, while the node serves others.
+    - ``joints``: reads states.
+    - ``worker``: computes what takes long, while the node serves others.
     """
 
     def __init__(self, model: RobotModel, joints: JointPositions, worker: Worker) -> None:

@@ -24,28 +24,15 @@ def solve_inertial(
 ) -> InverseKinematicsResult:
     """Find the posture at the end of the straight motion of the tip from the seed, from rest.
 
-    Parameters
-    ----------
-    robot : FloatingChain
-        Chain of n joints.
-    T : ndarray, shape (4, 4)
-        Target in inertial space, in the base before the motion (m).
-    seed : ndarray, shape (n,)
-        Joint values (rad or m) before the motion.
-    scene : Scene or None
-        For the check of the solution.
-    options : dict
-        Keywords of `inverse_kinematics`.
+    - ``robot``: chain of n joints.
+    - ``T``: target in inertial space, in the base before the motion (m), shape (4, 4).
+    - ``seed``: joint values (rad or m) before the motion, shape (n,).
+    - ``scene``: for the check of the solution.
+    - ``options``: keywords of `inverse_kinematics`.
 
-    Returns
-    -------
-    InverseKinematicsResult
-        One solution, whose errors are those in inertial space, or none.
+    Returns one solution, whose errors are those in inertial space, or none.
 
-    Raises
-    ------
-    BadValueError
-        A part of the pose is wanted.
+    Raises BadValueError: a part of the pose is wanted.
     """
     if options.get("task_mask", FULL_TASK) != FULL_TASK:
         expected = "all true or all false for a target in inertial space"

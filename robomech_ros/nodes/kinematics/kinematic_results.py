@@ -13,19 +13,13 @@ from robomech_ros.typing import Array
 class PostureReport:
     """Singularity report on a posture, with the fields of an AnalyzeSingularity response.
 
-    Attributes
-    ----------
-    position : ndarray, shape (3,)
-        Of the point, in the base (m).
-    jacobian : ndarray, shape (6, m), or None
-        Of the point in the axes of the base, angular rows first; None where the drives of a
-        parallel robot do not determine its motion.
-    lost_directions, free_directions : ndarray, shape (r, 6)
-        Twists of the point that are lost, and those it can have with locked drives, angular first,
-        in the base.
+    - ``lost_directions``, ``free_directions``: twists of the point that are lost, and those it can
+      have with locked drives, angular first, in the base, shape (r, 6).
     """
 
-    position: Array
+    position: Array  #: Of the point, in the base (m), shape (3,).
+    #: Of the point in the axes of the base, angular rows first; None where the drives of a parallel
+    #: robot do not determine its motion, shape (6, m) or None.
     jacobian: Array | None
     singular_values: Array
     rank: int

@@ -39,14 +39,9 @@ _PLANES, _EVERY = 8, 8
 class MarkerPublisher:
     """Publishes the posture last analysed and the boundary of the workspace on ``~/markers``.
 
-    Parameters
-    ----------
-    node : Node
-        Owner of the publisher.
-    base : str
-        Frame of the base.
-    on_watched : callable
-        Coroutine that runs when somebody subscribes.
+    - ``node``: owner of the publisher.
+    - ``base``: frame of the base.
+    - ``on_watched``: coroutine that runs when somebody subscribes.
     """
 
     def __init__(self, node: Node, base: str, on_watched: Callable[[], Awaitable[object]]) -> None:
@@ -123,10 +118,6 @@ def boundary_markers(space: Workspace) -> list[Marker]:
     """Make line strips of the boundary, in eight half-planes about axis 1, or along the slide.
 
     Of a planar arm it is in its plane, once.
-
-    Parameters
-    ----------
-    space : Workspace
     """
     section = space.section
     if section.flat:
@@ -153,12 +144,7 @@ def boundary_markers(space: Workspace) -> list[Marker]:
 
 
 def surface_markers(space: "WorkspaceSurface") -> list[Marker]:
-    """Make triangles of the boundary of a platform's positions, or lines where it is flat.
-
-    Parameters
-    ----------
-    space : WorkspaceSurface
-    """
+    """Make triangles of the boundary of a platform's positions, or lines where it is flat."""
     corners = space.boundary
     if not len(corners):
         return []

@@ -33,10 +33,7 @@ _NEAREST, _FIRST = 1, 2
 def inverse_options(request: Any) -> dict[str, Any]:
     """Read the options of a SolveIK request as keywords of `inverse_kinematics`.
 
-    Raises
-    ------
-    BadValueError
-        A mode or metric that does not exist, a negative tolerance or timeout.
+    Raises BadValueError: a mode or metric that does not exist, a negative tolerance or timeout.
     """
     if request.metric >= len(_METRICS):
         raise BadValueError("metric", request.metric, "LINF (0) or L2 (1)")
@@ -102,18 +99,11 @@ def encode_result(
 async def poses_in_base(frames: RobotFrames, poses: list[Any], patience: float) -> Array:
     """Convert the poses of a request to transforms in the base, shape (m, 4, 4) (m).
 
-    Parameters
-    ----------
-    frames : RobotFrames
-    poses : list of PoseStamped
-    patience : float
-        How long to wait for each new frame (s).
+    - ``poses``: list of PoseStamped.
+    - ``patience``: how long to wait for each new frame (s).
 
-    Raises
-    ------
-    BadQuaternionError
-        The message names the pose by its index.
-    FrameUnavailableError, NoStateError
+    Raises BadQuaternionError: the message names the pose by its index. FrameUnavailableError,
+    NoStateError.
     """
     T = np.empty((len(poses), 4, 4))
     for k, stamped in enumerate(poses):
@@ -132,14 +122,9 @@ async def poses_in_base(frames: RobotFrames, poses: list[Any], patience: float) 
 def encode_report(report: PostureReport, axes: Array | None, frame: str, response: Any) -> Any:
     """Fill an AnalyzeSingularity response.
 
-    Parameters
-    ----------
-    report : PostureReport
-    axes : ndarray, shape (3, 3), or None
-        Rotation of the frame in the base in whose axes directions are given; None = base.
-    frame : str
-        Its name.
-    response : AnalyzeSingularity.Response
+    - ``axes``: rotation of the frame in the base in whose axes directions are given; None = base,
+      shape (3, 3) or None.
+    - ``response``: AnalyzeSingularity.Response.
     """
     lost, free = (
         twists if axes is None else (twists.reshape(-1, 2, 3) @ axes).reshape(-1, 6)
@@ -168,15 +153,10 @@ def encode_report(report: PostureReport, axes: Array | None, frame: str, respons
 def workspace_cloud(frame: str, T: Array, count: IntArray, distance: Array) -> PointCloud2:
     """Make a cloud of judged poses: x, y, z, how many solutions, distance from the boundary.
 
-    Parameters
-    ----------
-    frame : str
-        Base of the chain.
-    T : ndarray, shape (m, 4, 4)
-        m.
-    count : ndarray of int, shape (m,)
-    distance : ndarray, shape (m,)
-        m, NaN where it is not known.
+    - ``frame``: base of the chain.
+    - ``T``: m, shape (m, 4, 4).
+    - ``count``: shape (m,).
+    - ``distance``: m, NaN where it is not known, shape (m,).
     """
     rows = np.column_stack((T[:, :3, 3], count, distance)).astype("<f4")
     names = ("x", "y", "z", "solutions", "boundary_distance")

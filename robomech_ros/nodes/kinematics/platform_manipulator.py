@@ -34,13 +34,8 @@ from robomech_ros.typing import Array, BoolArray, IntArray
 class PlatformManipulator:
     """Kinematics of a parallel robot of n joints and m drives.
 
-    Parameters
-    ----------
-    model : RobotModel
-    joints : JointPositions
-        Reads states.
-    worker : Worker
-        Computes what takes long, while the node serves others.
+    - ``joints``: reads states.
+    - ``worker``: computes what takes long, while the node serves others.
     """
 
     closed_form = False

@@ -15,41 +15,26 @@ from robomech_ros.typing import Array
 class PlatformSolutions:
     """Data for `encode_result`: k postures of n joints, nearest to the seed first.
 
-    Parameters
-    ----------
-    q : ndarray, shape (k, n)
-        All joints, limb by limb (rad or m).
-    branches : tuple of str
-        Of each, one sign for each limb.
-    seed_distance, position_error, orientation_error : ndarray, shape (k,)
-        From the seed by the metric asked for (rad, m), and how far the limb that is farthest off
-        holds the platform from the pose (m, rad).
-    condition_number, limit_margin : ndarray, shape (k,)
-        Of the twists of the drives in SI units, and of the joint nearest to a limit, or to the end
-        of its cone (rad or m).
-    complete : bool
-        Whether these were provably all, before any cut.
-    status : Code
-    reason : str
-    blocking_joints : tuple of str
-        The joint of each limb whose limits exclude the pose, of the limbs where they do.
-    blocking_excess : ndarray
-        By how much (rad or m).
-    family : str
+    - ``seed_distance``, ``position_error``, ``orientation_error``: from the seed by the metric
+      asked for (rad, m), and how far the limb that is farthest off holds the platform from the pose
+      (m, rad), shape (k,).
+    - ``condition_number``, ``limit_margin``: of the twists of the drives in SI units, and of the
+      joint nearest to a limit, or to the end of its cone (rad or m), shape (k,).
     """
 
-    q: Array
-    branches: tuple[str, ...]
+    q: Array  #: All joints, limb by limb (rad or m), shape (k, n).
+    branches: tuple[str, ...]  #: Of each, one sign for each limb.
     seed_distance: Array
     position_error: Array
     orientation_error: Array
     condition_number: Array
     limit_margin: Array
-    complete: bool
+    complete: bool  #: Whether these were provably all, before any cut.
     status: Code
     reason: str
+    #: The joint of each limb whose limits exclude the pose, of the limbs where they do.
     blocking_joints: tuple[str, ...]
-    blocking_excess: Array
+    blocking_excess: Array  #: By how much (rad or m).
     family: str = "parallel"
 
 
@@ -64,10 +49,7 @@ def platform_solutions(
 ) -> PlatformSolutions:
     """Solve all limbs for a pose, shape (4, 4), and sort by the distance from a seed, (n,).
 
-    Raises
-    ------
-    BadValueError
-        No platform of this kind can have the pose.
+    Raises BadValueError: no platform of this kind can have the pose.
     """
     found = mechanism.postures(T, seed=seed, ignore_limits=not respect_limits)
     away = np.abs(found.q - seed)
@@ -97,13 +79,8 @@ def platform_solutions(
 def conditions(mechanism: Mechanism, q: Array, length: float = 1.0) -> Array:
     """Return condition numbers of the twists of the drives, (k,), infinite where singular.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-    q : ndarray, shape (k, n)
-        All joints (rad or m), loops closed.
-    length : float, optional
-        By which linear rows are divided (m); default none, in SI units.
+    - ``q``: all joints (rad or m), loops closed, shape (k, n).
+    - ``length``: by which linear rows are divided (m); default none, in SI units.
     """
     out = np.full(len(q), np.inf)
     for k, row in enumerate(q):

@@ -34,10 +34,6 @@ class PlatformSpace:
     """Finds the boundary of a platform's positions, once for each orientation.
 
     To be used from one thread at a time.
-
-    Parameters
-    ----------
-    robot : ParallelRobot or Mechanism
     """
 
     def __init__(self, robot: ParallelRobot | Mechanism) -> None:

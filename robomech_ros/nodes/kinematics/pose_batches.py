@@ -34,10 +34,6 @@ class BatchLists:
     """The lists of a SolveIKBatch response, filled portion by portion.
 
     They are what rclpy takes without looking at each entry.
-
-    Parameters
-    ----------
-    robot : Manipulator
     """
 
     def __init__(self, robot: Manipulator) -> None:
@@ -69,17 +65,10 @@ async def solve_in_turns(
 ) -> BatchLists:
     """Solve many poses and let others work in between.
 
-    Parameters
-    ----------
-    robot : Manipulator
-    T : ndarray, shape (m, 4, 4)
-        Wanted poses of the tip in the base (m).
-    allowed : float
-        Time (s) after which no further poses are solved.
-    turns : TimeSlices
-        Those of the node that does it.
-    **options
-        Of ``Manipulator.solve_many``.
+    - ``T``: wanted poses of the tip in the base (m), shape (m, 4, 4).
+    - ``allowed``: time (s) after which no further poses are solved.
+    - ``turns``: those of the node that does it.
+    - ``**options``: of ``Manipulator.solve_many``.
     """
     size, done = _FIRST if robot.closed_form else _FIRST_ITERATIVE, 0
     lists = BatchLists(robot)
@@ -106,14 +95,9 @@ def _next_size(size: int, seconds: float) -> int:
 class WorkspaceQuery:
     """Which of many poses can be reached, filled portion by portion.
 
-    Parameters
-    ----------
-    robot : Manipulator
-        After ``Manipulator.prepare``.
-    T : ndarray, shape (m, 4, 4)
-        In the base (m).
-    task_mask : tuple of six bool, or None
-        None stands for the full pose.
+    - ``robot``: after ``Manipulator.prepare``.
+    - ``T``: in the base (m), shape (m, 4, 4).
+    - ``task_mask``: None stands for the full pose.
     """
 
     def __init__(self, robot: Manipulator, T: Array, task_mask: tuple[bool, ...] | None) -> None:

@@ -36,16 +36,10 @@ class LivelinessMonitor:
 
     Of other servers, and of those in the same process, it knows nothing.
 
-    Parameters
-    ----------
-    node : Node
-        Owner of the subscription.
-    action : str
-        Name of the action.
-    lease : float
-        How long there may be no sign of life, s.
-    on_end : callable
-        Called when a server has gone or shows no sign of life any more.
+    - ``node``: owner of the subscription.
+    - ``action``: name of the action.
+    - ``lease``: how long there may be no sign of life, s.
+    - ``on_end``: called when a server has gone or shows no sign of life any more.
     """
 
     def __init__(
@@ -89,12 +83,8 @@ class LivelinessMonitor:
 
         The subscriptions of a killed one stay in the graph, and what is sent to them is lost.
 
-        Parameters
-        ----------
-        topic : str
-            Its name, as the middleware has it where names are not mangled.
-        no_mangle : bool
-            As `Node.get_subscriptions_info_by_topic` has it.
+        - ``topic``: its name, as the middleware has it where names are not mangled.
+        - ``no_mangle``: as `Node.get_subscriptions_info_by_topic` has it.
         """
         if not self._lives:
             return True

@@ -17,17 +17,11 @@ from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 
 
 class ManualSubscription(CallbackGroup):
-    """Keeps a subscription out of the executor: its messages are taken by hand.
-
-    Attributes
-    ----------
-    attended : bool
-        Whether the executor still takes care of it.
-    """
+    """Keeps a subscription out of the executor: its messages are taken by hand."""
 
     def __init__(self, attended: bool = False) -> None:
         super().__init__()
-        self.attended = attended
+        self.attended = attended  #: Whether the executor still takes care of it.
 
     def can_execute(self, entity: Any) -> bool:
         """Say whether the executor may call back."""
@@ -51,10 +45,7 @@ class UnreadableMessageError(RobomechError):
 def unpack(data: bytes, kind: type) -> Any:
     """Return the message of a type in the bytes of a raw subscription.
 
-    Raises
-    ------
-    UnreadableMessageError
-        The bytes are no such message.
+    Raises UnreadableMessageError: the bytes are no such message.
     """
     try:
         return deserialize_message(data, kind)
@@ -68,19 +59,11 @@ class Inbox:
     While somebody reads it repeatedly it is read by hand; otherwise the executor says when there is
     a message.
 
-    Parameters
-    ----------
-    node : Node
-        Owner of the subscription.
-    kind : type
-        Of the messages.
-    topic : str
-        Its name.
-    depth : int
-        How many are kept, the latest.
-    wake : callable, optional
-        Called when a message has come while the executor looks after it, as it does at first.
-        Without it, the executor never does.
+    - ``node``: owner of the subscription.
+    - ``kind``: of the messages.
+    - ``depth``: how many are kept, the latest.
+    - ``wake``: called when a message has come while the executor looks after it, as it does at
+      first. Without it, the executor never does.
     """
 
     def __init__(

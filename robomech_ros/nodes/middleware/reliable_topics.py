@@ -22,17 +22,10 @@ def subscribe_reliably(
 ) -> Subscription:
     """Subscribe to messages that must not be lost; log who publishes them best effort.
 
-    Parameters
-    ----------
-    node : Node
-        Owner of the subscription.
-    kind : type
-        Of the messages.
-    topic : str
-    callback : callable
-        Takes the messages.
-    qos : QoSProfile or int
-        Reliable; a depth alone is that.
+    - ``node``: owner of the subscription.
+    - ``kind``: of the messages.
+    - ``callback``: takes the messages.
+    - ``qos``: reliable; a depth alone is that.
     """
     sparing = ThrottledLog(node.get_logger())
 

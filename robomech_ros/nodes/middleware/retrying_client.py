@@ -60,24 +60,15 @@ def changes_nothing(kind: Any) -> bool:
 class RetriedRequest:
     """A request on its way; one that changes nothing may be sent several times.
 
-    Parameters
-    ----------
-    client : Client
-        Of a service that is there.
-    kind : type
-        The interface of the service.
-    request : message
-
-    Attributes
-    ----------
-    answered : Future
-        Done as soon as the first answer is there; for waiting only, see :meth:`answer`.
+    - ``client``: of a service that is there.
+    - ``kind``: the interface of the service.
     """
 
     def __init__(self, client: Client, kind: Any, request: Any) -> None:
         self._client, self._request = client, request
         self._sent: list[Future] = []
         self._pause = _AGAIN if changes_nothing(kind) else float("inf")
+        #: Done as soon as the first answer is there; for waiting only, see :meth:`answer`.
         self.answered = Future()
         self._send()
 

@@ -16,12 +16,8 @@ _NUMBER = re.compile(r"[-+]?\d[\d.e+-]*|nan|inf")
 class ThrottledLog:
     """Logs each kind of line at most once a second, with the count of the lines left out.
 
-    Parameters
-    ----------
-    logger
-        Of a node.
-    clock : callable, optional
-        Gives seconds; default the machine's monotonic time.
+    - ``logger``: of a node.
+    - ``clock``: gives seconds; default the machine's monotonic time.
     """
 
     def __init__(self, logger: Any, clock: Callable[[], float] = time.monotonic) -> None:

@@ -29,30 +29,17 @@ _STEERING = 1.57
 class Interface:
     """Topics of a drive, and how it takes time-outs and twists.
 
-    Attributes
-    ----------
-    command, odometry, frames : str
-        Topics.
-    timeout_name : str
-        Parameter of the time-out.
-    timeout : float
-        Its default (s).
-    at_zero : str
-        What a time-out of 0 means: commands count ``for ever``, ``once`` or ``never``.
-    mean : bool
-        Whether the published twist is a rolling mean.
-    forget_at_stale : bool
-        Whether a stale command also ends the one before.
+    - ``command``, ``odometry``, ``frames``: topics.
     """
 
     command: str
     odometry: str
     frames: str
-    timeout_name: str
-    timeout: float
-    at_zero: str
-    mean: bool
-    forget_at_stale: bool = False
+    timeout_name: str  #: Parameter of the time-out.
+    timeout: float  #: Its default (s).
+    at_zero: str  #: What a time-out of 0 means: commands count ``for ever``, ``once`` or ``never``.
+    mean: bool  #: Whether the published twist is a rolling mean.
+    forget_at_stale: bool = False  #: Whether a stale command also ends the one before.
 
 
 _DIFF = Interface(
@@ -76,10 +63,7 @@ INTERFACES = {
 def chosen_robot(settings: MobileBaseSettings) -> tuple[RollingRobot, WheelJoints]:
     """Load or make the robot that the parameters say, with its limits.
 
-    Raises
-    ------
-    RobomechError
-        There is none, or it cannot be.
+    Raises RobomechError: there is none, or it cannot be.
     """
     if settings.robot_description:
         robot = rolling_robot(settings.robot_description)

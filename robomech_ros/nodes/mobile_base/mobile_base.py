@@ -18,70 +18,36 @@ from robomech_ros.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class BaseOptions:
-    """How a base follows commands and tells where it is.
+    """How a base follows commands and tells where it is."""
 
-    Attributes
-    ----------
-    period : float
-        Of its updates (s).
-    timeout : float
-        How long a command counts (s); 0 as the interface says.
-    open_loop : bool
-        Whether odometry is that of limited commands.
-    by_position : bool
-        Whether odometry reads positions of wheels, not velocities.
-    window : int
-        Twists whose mean is told.
-    dynamic : bool
-        Whether torques move the base.
-    wheel_position : float
-        At which its wheels begin (rad).
-    """
-
-    period: float
-    timeout: float
-    open_loop: bool = False
-    by_position: bool = True
-    window: int = 1
-    dynamic: bool = False
-    wheel_position: float = 0.0
+    period: float  #: Of its updates (s).
+    timeout: float  #: How long a command counts (s); 0 as the interface says.
+    open_loop: bool = False  #: Whether odometry is that of limited commands.
+    by_position: bool = True  #: Whether odometry reads positions of wheels, not velocities.
+    window: int = 1  #: Twists whose mean is told.
+    dynamic: bool = False  #: Whether torques move the base.
+    wheel_position: float = 0.0  #: At which its wheels begin (rad).
 
 
 class MobileBase:
     """A base on wheels, its limits, its simulation and its odometry.
 
-    Parameters
-    ----------
-    robot : RollingRobot
-    interface : Interface
-        Of its drive.
-    options : BaseOptions
-
-    Attributes
-    ----------
-    time : float
-        Of the last update (s).
-    motion : BaseMotion
-        Limited commands: twist, acceleration, steering, what limits shortened them.
-    odometry : Odometry
-    wheel_rates : ndarray, shape (k,)
-        Commanded to the driven wheels (rad/s).
-    steering_rates : ndarray, shape (s,)
-        Of the steered wheels (rad/s).
-    timed_out : bool
-        Whether the base brakes, or stands, since there is no command.
+    - ``interface``: of its drive.
     """
 
     def __init__(self, robot: RollingRobot, interface: Interface, options: BaseOptions) -> None:
         self.robot, self.interface, self.options = robot, interface, options
         self.limiter = CommandLimiter(robot.base, robot.limits, options.period)
+        #: Limited commands: twist, acceleration, steering, what limits shortened them.
         self.motion = self.limiter.at_rest()
         self.simulated = SimulatedBase(robot, options.dynamic, options.wheel_position)
         self.odometry = Odometry.at()
+        #: Commanded to the driven wheels (rad/s), shape (k,).
         self.wheel_rates = np.zeros(len(robot.base.driven))
+        #: Of the steered wheels (rad/s), shape (s,).
         self.steering_rates = np.zeros(len(robot.base.steered))
-        self.timed_out = True
-        self.time = 0.0
+        self.timed_out = True  #: Whether the base brakes, or stands, since there is no command.
+        self.time = 0.0  #: Of the last update (s).
         self._target = self._standing = self.limiter.allowed(np.zeros(3))
         self._since, self._used = -math.inf, True
         # The first reading: odometry begins where the encoders happen to be.
@@ -91,19 +57,12 @@ class MobileBase:
     def take(self, command: ArrayLike, age: float) -> None:
         """Follow a command from the next update on.
 
-        Parameters
-        ----------
-        command : array_like, shape (3,)
-            ``[omega, v_x, v_y]`` (rad/s, m/s); what the drive cannot give is left out.
-        age : float
-            How old it is (s); what comes from the future is new.
+        - ``command``: ``[omega, v_x, v_y]`` (rad/s, m/s); what the drive cannot give is left out,
+          shape (3,).
+        - ``age``: how old it is (s); what comes from the future is new.
 
-        Raises
-        ------
-        BadValueError
-            It is older than the time-out.
-        RobomechError
-            It is not three finite numbers.
+        Raises BadValueError: it is older than the time-out. RobomechError: it is not three finite
+        numbers.
         """
         timeout = self.options.timeout
         if age > timeout > 0.0:
@@ -145,10 +104,7 @@ class MobileBase:
 
         The base moves on as it does.
 
-        Raises
-        ------
-        RobomechError
-            Not three finite numbers.
+        Raises RobomechError: not three finite numbers.
         """
         begun = Odometry.at(pose)
         self.odometry = replace(self.odometry, pose=begun.pose, covariance=begun.covariance)

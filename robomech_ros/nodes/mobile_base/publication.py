@@ -53,15 +53,7 @@ def frame_prefix(settings: MobileBaseSettings, namespace: str) -> str:
 
 
 class BasePublication:
-    """Publishes where a base is.
-
-    Parameters
-    ----------
-    node : Node
-    base : MobileBase
-    joints : WheelJoints
-    settings : MobileBaseSettings
-    """
+    """Publishes where a base is."""
 
     def __init__(
         self, node: Node, base: MobileBase, joints: WheelJoints, settings: MobileBaseSettings

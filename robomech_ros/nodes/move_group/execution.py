@@ -38,15 +38,9 @@ _CODES: dict[int, int] = {
 class Execution:
     """Sends trajectories to the controller, and stops them.
 
-    Parameters
-    ----------
-    node : Node
-        Owner of the client and of the topic trajectory_execution_event.
-    robot : WholeRobot
-    scenes : Scenes
-        What the robot may touch.
-    settings : callable
-        Gives the parameters of the node.
+    - ``node``: owner of the client and of the topic trajectory_execution_event.
+    - ``scenes``: what the robot may touch.
+    - ``settings``: gives the parameters of the node.
     """
 
     def __init__(
@@ -72,21 +66,13 @@ class Execution:
     async def run(self, trajectory: Any, cancelled: Callable[[], bool]) -> tuple[int, str]:
         """Execute a JointTrajectory to its end.
 
-        Parameters
-        ----------
-        trajectory : JointTrajectory
-        cancelled : callable
-            Whether the client has cancelled its goal.
+        - ``trajectory``: JointTrajectory.
+        - ``cancelled``: whether the client has cancelled its goal.
 
-        Returns
-        -------
-        tuple of int and str
-            One of MoveItErrorCodes, and why.
+        Returns one of MoveItErrorCodes, and why.
 
-        Raises
-        ------
-        RejectedError
-            The controller is missing, the robot is not at the start, or something is in the way.
+        Raises RejectedError: the controller is missing, the robot is not at the start, or something
+        is in the way.
         """
         if not trajectory.points:
             return MoveItErrorCodes.SUCCESS, "the trajectory is empty"

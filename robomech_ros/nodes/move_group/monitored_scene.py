@@ -25,23 +25,10 @@ _MOVED = 1e-3
 class MonitoredScene:
     """Follows the topic ``monitored_planning_scene``, where its messages and coal are installed.
 
-    Parameters
-    ----------
-    node : Node
-    model : RobotModel
-    monitor : JointStateMonitor
-        Knows the present state of the robot.
-    worker : Worker
-        Makes scenes, which takes a moment.
-    padding : float
-        Thickness that is added to every link (m).
-    changed : callable, optional
-        Called after each change.
-
-    Attributes
-    ----------
-    scenes : Scenes or None
-        Received scenes; None before the first message.
+    - ``monitor``: knows the present state of the robot.
+    - ``worker``: makes scenes, which takes a moment.
+    - ``padding``: thickness that is added to every link (m).
+    - ``changed``: called after each change.
     """
 
     def __init__(
@@ -58,7 +45,7 @@ class MonitoredScene:
         self._log = ThrottledLog(node.get_logger())
         self._waiting: Any = None
         self._positions: dict[str, float] = {}
-        self.scenes: Scenes | None = None
+        self.scenes: Scenes | None = None  #: Received scenes; None before the first message.
         try:
             from moveit_msgs.msg import PlanningScene
         except ImportError:

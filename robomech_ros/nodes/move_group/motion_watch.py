@@ -31,20 +31,10 @@ _DEPTHS = 100
 class MotionWatch:
     """Checks a motion for contacts, and later the rest of it.
 
-    Parameters
-    ----------
-    model : RobotModel
-    known : callable
-        Gives the present positions of the joints that are known (rad or m).
-    joint_names : sequence of str
-        The moving joints. A motion of unknown joints is not checked: the controller refuses it.
-    waypoints : Waypoints
-        In the order of the names (rad or m).
-
-    Attributes
-    ----------
-    chain : SerialChain
-        The chain of exactly these joints, or the configured one.
+    - ``known``: gives the present positions of the joints that are known (rad or m).
+    - ``joint_names``: the moving joints. A motion of unknown joints is not checked: the controller
+      refuses it.
+    - ``waypoints``: in the order of the names (rad or m).
     """
 
     def __init__(
@@ -54,6 +44,7 @@ class MotionWatch:
         joint_names: Sequence[str],
         waypoints: Waypoints,
     ) -> None:
+        #: The chain of exactly these joints, or the configured one.
         self.chain = _chain_of(model, joint_names)
         self._known = known
         self._motion = _motion(self.chain, known(), list(joint_names), waypoints)

@@ -30,12 +30,8 @@ class PlannerServices:
 
     All planners and groups have the same parameters: some of the node.
 
-    Parameters
-    ----------
-    node : Node
-        Owner of services and parameters.
-    settings : callable
-        Gives the parameters of the node.
+    - ``node``: owner of services and parameters.
+    - ``settings``: gives the parameters of the node.
     """
 
     def __init__(self, node: Node, settings: Callable[[], MoveGroupSettings]) -> None:

@@ -45,37 +45,19 @@ _FULL_POSE = 6
 
 @dataclass(frozen=True, eq=False)
 class PlannedMotion:
-    """A motion in messages.
+    """A motion in messages."""
 
-    Attributes
-    ----------
-    start : RobotState
-        Of the whole robot.
-    trajectory : RobotTrajectory
-    seconds : float
-        How long planning took.
-    note : str
-        What is special about it; else empty.
-    """
-
-    start: Any
-    trajectory: Any
-    seconds: float
-    note: str
+    start: Any  #: RobotState; of the whole robot.
+    trajectory: Any  #: RobotTrajectory.
+    seconds: float  #: How long planning took.
+    note: str  #: What is special about it; else empty.
 
 
 class MotionPlanning:
     """Plans the motions of all requests, one after the other, beside the executor.
 
-    Parameters
-    ----------
-    node : Node
-        Owner of the topic display_planned_path.
-    robot : WholeRobot
-    scenes : Scenes
-    worker : Worker
-    settings : callable
-        Gives the parameters of the node.
+    - ``node``: owner of the topic display_planned_path.
+    - ``settings``: gives the parameters of the node.
     """
 
     def __init__(
@@ -100,16 +82,10 @@ class MotionPlanning:
     ) -> PlannedMotion:
         """Plan the motion of a MotionPlanRequest.
 
-        Parameters
-        ----------
-        request : MotionPlanRequest
-        cancelled : callable, optional
-            Whether the client has cancelled its goal.
+        - ``request``: MotionPlanRequest.
+        - ``cancelled``: whether the client has cancelled its goal.
 
-        Raises
-        ------
-        RejectedError
-            There is no such motion; the code and the text say why.
+        Raises RejectedError: there is no such motion; the code and the text say why.
         """
         settings = self._settings()
         question = await read_motion_request(request, self._robot, settings)
@@ -185,10 +161,7 @@ def _at_limits(chain: SerialChain, q: Array, most: float) -> Array:
 def _postures(question: MotionRequest, start: Array) -> Array:
     """Find all postures (k, n) that reach one of the goals (rad or m).
 
-    Raises
-    ------
-    RejectedError
-        There is none.
+    Raises RejectedError: there is none.
     """
     rows, reasons, codes = [], [], []
     for i, goal in enumerate(question.goals):

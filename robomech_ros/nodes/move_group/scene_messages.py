@@ -22,10 +22,7 @@ from robomech_ros.nodes.move_group.world import World
 def refuse_unserved(scene: Any) -> None:
     """Refuse parts of a scene that this node cannot take.
 
-    Raises
-    ------
-    BadValueError
-        It is named.
+    Raises BadValueError: it is named.
     """
     if size := len(scene.world.octomap.octomap.data):
         raise BadValueError("world.octomap", f"{size} bytes", "none: octomaps are not supported")
@@ -41,12 +38,9 @@ def refuse_unserved(scene: Any) -> None:
 def frames_of_scene(objects: Iterable[Any], attached: Iterable[Any], world: World) -> set[str]:
     """Return the frames and links whose present poses a change of the scene needs.
 
-    Parameters
-    ----------
-    objects : iterable of CollisionObject
-    attached : iterable of AttachedCollisionObject
-    world : World
-        As it is before.
+    - ``objects``: iterable of CollisionObject.
+    - ``attached``: iterable of AttachedCollisionObject.
+    - ``world``: as it is before.
     """
     frames = {one.header.frame_id for one in objects if one.operation != CollisionObject.REMOVE}
     for message in attached:
@@ -72,17 +66,10 @@ def write_scene(
 ) -> PlanningScene:
     """Write the parts of a scene that a client wants.
 
-    Parameters
-    ----------
-    world : World
-    joint_state : JointState
-        The present one.
-    bodies : collection of str
-        Links with shapes, then objects.
-    ignored : collection of frozenset
-        Pairs of them that are not checked.
-    wanted : int
-        Sum of constants of PlanningSceneComponents; 0 for all.
+    - ``joint_state``: JointState; the present one.
+    - ``bodies``: links with shapes, then objects.
+    - ``ignored``: pairs of them that are not checked.
+    - ``wanted``: sum of constants of PlanningSceneComponents; 0 for all.
     """
     scene = PlanningScene()
 

@@ -36,14 +36,8 @@ _STATE_PERIOD, _MOVED = 0.1, 1e-4
 class SceneServices:
     """Takes changes of the scene from clients, and publishes it.
 
-    Parameters
-    ----------
-    node : Node
-        Owner of the services and topics.
-    robot : WholeRobot
-    scenes : Scenes
-        Follow what clients do.
-    settings : MoveGroupSettings
+    - ``node``: owner of the services and topics.
+    - ``scenes``: follow what clients do.
     """
 
     def __init__(

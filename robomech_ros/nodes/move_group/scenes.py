@@ -19,22 +19,13 @@ from robomech_ros.robots import DisabledCollision, SerialChain
 class Scenes:
     """One scene for each chain that requests are about; all follow the world.
 
-    Parameters
-    ----------
-    model : RobotModel
-    worker : Worker
-        Makes the scenes of further chains, which takes a moment.
-    padding : float
-        Thickness that is added to every link (m).
-
-    Attributes
-    ----------
-    world : World
-        What clients have made of the scene; a changed one replaces it.
+    - ``worker``: makes the scenes of further chains, which takes a moment.
+    - ``padding``: thickness that is added to every link (m).
     """
 
     def __init__(self, model: RobotModel, worker: Worker, padding: float) -> None:
         self._model, self._worker, self._padding = model, worker, padding
+        #: What clients have made of the scene; a changed one replaces it.
         self.world = World(model.base_frame, model.description.links, model.link_of)
         self._followers: dict[tuple[str, str], _Follower] = {}
         self._remaking: Future | None = None
@@ -43,10 +34,7 @@ class Scenes:
     def adopt(self, world: World, positions: Positions) -> None:
         """Let another world take the place of this one, unless it has what a scene cannot have.
 
-        Raises
-        ------
-        RobomechError
-            A shape without a volume, or planes that a link is to carry.
+        Raises RobomechError: a shape without a volume, or planes that a link is to carry.
         """
         self._configured().at(world, positions)
         self.world = world

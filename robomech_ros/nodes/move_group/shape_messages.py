@@ -29,10 +29,7 @@ _ZERO = Quaternion(x=0.0, y=0.0, z=0.0, w=0.0)
 def shapes_of(message: Any) -> list[PlacedShape]:
     """Read the shapes of a CollisionObject, and write out the poses that it leaves out.
 
-    Raises
-    ------
-    RobomechError
-        A size, pose, vertex or type is invalid; it is named.
+    Raises RobomechError: a size, pose, vertex or type is invalid; it is named.
     """
     result = []
     for kind, poses, read in KINDS:

@@ -26,14 +26,8 @@ class ValidityService:
 
     Its answer has no text: what is wrong with a request is in the log, and the state is not valid.
 
-    Parameters
-    ----------
-    node : Node
-        Owner of the service.
-    robot : WholeRobot
-    settings : callable
-        Gives the parameters of the node.
-    scenes : Scenes
+    - ``node``: owner of the service.
+    - ``settings``: gives the parameters of the node.
     """
 
     def __init__(

@@ -31,30 +31,16 @@ Poses = Mapping[str, Array]
 
 @dataclass(frozen=True, eq=False)
 class SceneObject:
-    """An object of the planning scene.
+    """An object of the planning scene."""
 
-    Attributes
-    ----------
-    message : CollisionObject
-        As it was given, with its pose in the base, or in the link that carries it.
-    shapes : tuple of (Shape, ndarray)
-        Shapes of the library, and their poses in the object, shape (4, 4) (m).
-    pose : ndarray, shape (4, 4)
-        Pose in the base, or in the link (m).
-    link : str
-        The link that carries it; empty for none.
-    touch_links : tuple of str
-        Further links that may touch it.
-    weight : float
-        Its mass (kg); 0 if it is not known.
-    """
-
+    #: CollisionObject; as it was given, with its pose in the base, or in the link that carries it.
     message: Any
+    #: Shapes of the library, and their poses in the object, shape (4, 4) (m).
     shapes: tuple[PlacedShape, ...]
-    pose: Array
-    link: str = ""
-    touch_links: tuple[str, ...] = ()
-    weight: float = 0.0
+    pose: Array  #: Pose in the base, or in the link (m), shape (4, 4).
+    link: str = ""  #: The link that carries it; empty for none.
+    touch_links: tuple[str, ...] = ()  #: Further links that may touch it.
+    weight: float = 0.0  #: Its mass (kg); 0 if it is not known.
 
     def at(self, pose: Array, frame: str, link: str = "") -> "SceneObject":
         """Return the object at another pose (4, 4) (m) in a frame, carried by a link or by none."""
@@ -66,33 +52,16 @@ class SceneObject:
 
 @dataclass
 class World:
-    """The planning scene, as clients have made it.
+    """The planning scene, as clients have made it."""
 
-    Attributes
-    ----------
-    base_frame : str
-        The frame of the base, as messages name it.
-    links : tuple of str
-        All links of the robot.
-    link_of : callable
-        Returns the link of a frame.
-    objects : dict
-        Objects by name.
-    allowed : dict
-        Whether the two bodies of a pair may touch, for the pairs that a client has decided.
-    defaults : dict
-        The same for all pairs of one body.
-    colors : dict
-        Colours of objects, as messages.
-    """
-
-    base_frame: str
-    links: tuple[str, ...]
-    link_of: Callable[[str], str]
-    objects: dict[str, SceneObject] = field(default_factory=dict)
+    base_frame: str  #: The frame of the base, as messages name it.
+    links: tuple[str, ...]  #: All links of the robot.
+    link_of: Callable[[str], str]  #: Returns the link of a frame.
+    objects: dict[str, SceneObject] = field(default_factory=dict)  #: Objects by name.
+    #: Whether the two bodies of a pair may touch, for the pairs that a client has decided.
     allowed: dict[frozenset[str], bool] = field(default_factory=dict)
-    defaults: dict[str, bool] = field(default_factory=dict)
-    colors: dict[str, Any] = field(default_factory=dict)
+    defaults: dict[str, bool] = field(default_factory=dict)  #: The same for all pairs of one body.
+    colors: dict[str, Any] = field(default_factory=dict)  #: Colours of objects, as messages.
 
     def copy(self, empty: bool = False) -> "World":
         """Return a copy that may be changed, or an empty scene of the same robot."""
@@ -115,18 +84,12 @@ class World:
     def apply_object(self, message: Any, poses: Poses, attached: Iterable[str] = ()) -> None:
         """Add, remove, extend or move an object.
 
-        Parameters
-        ----------
-        message : CollisionObject
-        poses : mapping
-            Where its frame is.
-        attached : iterable of str
-            Objects that the same scene attaches: their removal from the world changes nothing.
+        - ``message``: CollisionObject.
+        - ``poses``: where its frame is.
+        - ``attached``: objects that the same scene attaches: their removal from the world changes
+          nothing.
 
-        Raises
-        ------
-        RobomechError
-            A part of the message is invalid, or there is no such object.
+        Raises RobomechError: a part of the message is invalid, or there is no such object.
         """
         name, operation, standing = message.id, message.operation, self.standing
         if operation == _REMOVE:
@@ -156,11 +119,7 @@ class World:
 
         Comparing meshes is much faster than reading them.
 
-        Parameters
-        ----------
-        message : CollisionObject
-            In the base.
-        before : World
+        - ``message``: CollisionObject; in the base.
         """
         known = before.standing.get(message.id)
         if known is None:
@@ -177,16 +136,10 @@ class World:
     def apply_attached(self, message: Any, poses: Poses) -> None:
         """Attach an object to a link, or detach it.
 
-        Parameters
-        ----------
-        message : AttachedCollisionObject
-        poses : mapping
-            Where its frame is, the link, and all links that carry objects.
+        - ``message``: AttachedCollisionObject.
+        - ``poses``: where its frame is, the link, and all links that carry objects.
 
-        Raises
-        ------
-        RobomechError
-            A part of the message is invalid, or there is no such object or link.
+        Raises RobomechError: a part of the message is invalid, or there is no such object or link.
         """
         given, name = message.object, message.object.id
         if given.operation == _REMOVE:
@@ -219,16 +172,10 @@ class World:
         A client sends back the whole matrix that it has read. Entries that only repeat the scene
         decide nothing: a pair that cannot touch now may be able to later.
 
-        Parameters
-        ----------
-        matrix : AllowedCollisionMatrix
-        ignored : container of frozenset
-            Pairs of bodies that are not checked now.
+        - ``matrix``: AllowedCollisionMatrix.
+        - ``ignored``: pairs of bodies that are not checked now.
 
-        Raises
-        ------
-        WrongSizeError
-            It is no square matrix of its names.
+        Raises WrongSizeError: it is no square matrix of its names.
         """
         names, rows = matrix.entry_names, matrix.entry_values
         sizes = [len(rows), *(len(row.enabled) for row in rows)]

@@ -24,45 +24,25 @@ _LEAST_STEP, _LEAST_SPEED, _LEAST_SCALE = 1e-5, 1e-6, 1e-6
 class CartesianQuestion:
     """Checked content of a Cartesian request.
 
-    Attributes
-    ----------
-    chain : SerialChain
-        To the link that goes along the path.
-    joint_names : tuple of str
-        Joints of the group, which the answer is for.
-    positions : mapping
-        Where all joints are that are known, rad or m.
-    waypoints : ndarray, shape (m, 4, 4)
-        Poses of the link in the base (m).
-    step : float
-        Largest distance of neighbouring points (m).
-    relative_jump : float
-        Largest move of the joints between two points, over the mean; infinite for any.
-    revolute_jump, prismatic_jump : float
-        Largest move of a joint between two points, rad and m; infinite for any.
-    conditions : Conditions
-        What must hold all along the path.
-    velocity_scale, acceleration_scale : float
-        Parts of the limits that may be used.
-    limited : SerialChain
-        To the link whose speed is limited.
-    speed : float
-        Its largest speed (m/s); infinite for any.
+    - ``revolute_jump``, ``prismatic_jump``: largest move of a joint between two points, rad and m;
+      infinite for any.
+    - ``velocity_scale``, ``acceleration_scale``: parts of the limits that may be used.
     """
 
-    chain: SerialChain
-    joint_names: tuple[str, ...]
-    positions: Positions
-    waypoints: Array
-    step: float
+    chain: SerialChain  #: To the link that goes along the path.
+    joint_names: tuple[str, ...]  #: Joints of the group, which the answer is for.
+    positions: Positions  #: Where all joints are that are known, rad or m.
+    waypoints: Array  #: Poses of the link in the base (m), shape (m, 4, 4).
+    step: float  #: Largest distance of neighbouring points (m).
+    #: Largest move of the joints between two points, over the mean; infinite for any.
     relative_jump: float
     revolute_jump: float
     prismatic_jump: float
-    conditions: Conditions
+    conditions: Conditions  #: What must hold all along the path.
     velocity_scale: float
     acceleration_scale: float
-    limited: SerialChain
-    speed: float
+    limited: SerialChain  #: To the link whose speed is limited.
+    speed: float  #: Its largest speed (m/s); infinite for any.
 
     @property
     def start(self) -> Array:
@@ -73,16 +53,10 @@ class CartesianQuestion:
 async def read_question(request: Any, robot: WholeRobot, settings: Any) -> CartesianQuestion:
     """Read a request.
 
-    Parameters
-    ----------
-    request : GetCartesianPath.Request
-    robot : WholeRobot
-    settings : PlannerSettings
+    - ``request``: GetCartesianPath.Request.
+    - ``settings``: PlannerSettings.
 
-    Raises
-    ------
-    RejectedError
-        It cannot be served as it is; the code says by which part of it.
+    Raises RejectedError: it cannot be served as it is; the code says by which part of it.
     """
     chain = chain_of(robot.model, request.group_name, request.link_name)
     numbers = _numbers(request)

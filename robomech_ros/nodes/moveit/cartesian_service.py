@@ -50,17 +50,10 @@ _POSITION = (True, True, True, False, False, False)
 class CartesianPathService:
     """The service compute_cartesian_path of one node.
 
-    Parameters
-    ----------
-    node : Node
-        Gets the service under its own name.
-    robot : WholeRobot
-    settings : callable
-        Gives the parameters of the planner.
-    worker : Worker
-        Plans, while the node serves others.
-    collisions : Collisions
-        What the robot may touch.
+    - ``node``: gets the service under its own name.
+    - ``settings``: gives the parameters of the planner.
+    - ``worker``: plans, while the node serves others.
+    - ``collisions``: what the robot may touch.
     """
 
     def __init__(

@@ -36,22 +36,12 @@ _TURNS = (OrientationConstraint.XYZ_EULER_ANGLES, OrientationConstraint.ROTATION
 class Conditions:
     """Constraints of a request, to be checked on an answer.
 
-    Parameters
-    ----------
-    constraints : Constraints
-        Of a request.
-    robot : WholeRobot
-    places : mapping of str to FrameAttachment
-        Where the frames are that `frames_of` lists.
-    what : str
-        Their name in the request.
+    - ``constraints``: constraints; of a request.
+    - ``places``: where the frames are that `frames_of` lists.
+    - ``what``: their name in the request.
 
-    Raises
-    ------
-    RejectedError
-        One that this node cannot judge.
-    RobomechError
-        A joint or link that the robot does not have, or an invalid number.
+    Raises RejectedError: one that this node cannot judge. RobomechError: a joint or link that the
+    robot does not have, or an invalid number.
     """
 
     def __init__(

@@ -17,56 +17,29 @@ from robomech_ros.typing import Array
 
 
 class IkTarget(NamedTuple):
-    """The wanted pose of one link.
+    """The wanted pose of one link."""
 
-    Attributes
-    ----------
-    chain : SerialChain
-        To the link.
-    pose : ndarray, shape (4, 4)
-        ``T_base_link`` in the base of the chain (m).
-    """
-
-    chain: SerialChain
-    pose: Array
+    chain: SerialChain  #: To the link.
+    pose: Array  #: ``T_base_link`` in the base of the chain (m), shape (4, 4).
 
 
 @dataclass(frozen=True)
 class IkRequest:
-    """Checked content of an inverse kinematics request.
+    """Checked content of an inverse kinematics request."""
 
-    Attributes
-    ----------
-    targets : tuple of IkTarget
-        Of chains that have no joint in common.
-    positions : mapping
-        Where all joints are, rad or m.
-    conditions : Conditions
-        What must hold of an answer.
-    timeout : float or None
-        s; None for any time.
-    """
-
-    targets: tuple[IkTarget, ...]
-    positions: Positions
-    conditions: Conditions
-    timeout: float | None
+    targets: tuple[IkTarget, ...]  #: Of chains that have no joint in common.
+    positions: Positions  #: Where all joints are, rad or m.
+    conditions: Conditions  #: What must hold of an answer.
+    timeout: float | None  #: s; None for any time.
 
 
 async def read_ik_request(request: Any, robot: WholeRobot, patience: float) -> IkRequest:
     """Read a request.
 
-    Parameters
-    ----------
-    request : PositionIKRequest
-    robot : WholeRobot
-    patience : float
-        How long to wait for the present state and for frames (s).
+    - ``request``: PositionIKRequest.
+    - ``patience``: how long to wait for the present state and for frames (s).
 
-    Raises
-    ------
-    RejectedError
-        It cannot be served as it is; the code says by which part of it.
+    Raises RejectedError: it cannot be served as it is; the code says by which part of it.
     """
     links, wanted = _links_and_poses(request, len(robot.joint_names))
     chains = [chain_of(robot.model, request.group_name, link) for link in links]

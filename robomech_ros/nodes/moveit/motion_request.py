@@ -31,20 +31,13 @@ _INVALID = MoveItErrorCodes.INVALID_GOAL_CONSTRAINTS
 class PoseTarget:
     """The pose of a link that a goal asks for.
 
-    Attributes
-    ----------
-    chain : SerialChain
-        To the link.
-    pose : ndarray, shape (4, 4)
-        ``T_base_link`` in the base of the chain (m).
-    task_mask : tuple of bool
-        Which components of the pose count, x y z rx ry rz in the axes of the pose.
-    position_tolerance, orientation_tolerance : float
-        How far the link may be from the pose, m and rad; 0 for the solver's default.
+    - ``position_tolerance``, ``orientation_tolerance``: how far the link may be from the pose, m
+      and rad; 0 for the solver's default.
     """
 
-    chain: SerialChain
-    pose: Array
+    chain: SerialChain  #: To the link.
+    pose: Array  #: ``T_base_link`` in the base of the chain (m), shape (4, 4).
+    #: Which components of the pose count, x y z rx ry rz in the axes of the pose.
     task_mask: tuple[bool, ...]
     position_tolerance: float
     orientation_tolerance: float
@@ -52,58 +45,30 @@ class PoseTarget:
 
 @dataclass(frozen=True, eq=False)
 class MotionGoal:
-    """One set of goal constraints.
+    """One set of goal constraints."""
 
-    Attributes
-    ----------
-    joints : mapping
-        Wanted positions of joints (rad or m).
-    target : PoseTarget or None
-        The wanted pose of a link.
-    conditions : Conditions
-        All constraints of the set.
-    """
-
-    joints: Positions
-    target: PoseTarget | None
-    conditions: Conditions
+    joints: Positions  #: Wanted positions of joints (rad or m).
+    target: PoseTarget | None  #: The wanted pose of a link.
+    conditions: Conditions  #: All constraints of the set.
 
 
 @dataclass(frozen=True, eq=False)
 class MotionRequest:
     """Checked content of a MotionPlanRequest.
 
-    Attributes
-    ----------
-    group : str
-    chain : SerialChain
-        Moves.
-    positions : mapping
-        Where all joints are that are known, rad or m.
-    goals : tuple of MotionGoal
-        One of them is to be reached.
-    velocity_scale, acceleration_scale : float
-        Parts of the limits that may be used.
-    limited : SerialChain
-        To the link whose speed is limited.
-    speed : float
-        Its largest speed (m/s); infinite for any.
-    time : float
-        For planning (s).
-    planner : str
-        Name of a planner; empty for the default.
+    - ``velocity_scale``, ``acceleration_scale``: parts of the limits that may be used.
     """
 
     group: str
-    chain: SerialChain
-    positions: Positions
-    goals: tuple[MotionGoal, ...]
+    chain: SerialChain  #: Moves.
+    positions: Positions  #: Where all joints are that are known, rad or m.
+    goals: tuple[MotionGoal, ...]  #: One of them is to be reached.
     velocity_scale: float
     acceleration_scale: float
-    limited: SerialChain
-    speed: float
-    time: float
-    planner: str
+    limited: SerialChain  #: To the link whose speed is limited.
+    speed: float  #: Its largest speed (m/s); infinite for any.
+    time: float  #: For planning (s).
+    planner: str  #: Name of a planner; empty for the default.
 
     @property
     def start(self) -> Array:
@@ -114,16 +79,10 @@ class MotionRequest:
 async def read_motion_request(request: Any, robot: WholeRobot, settings: Any) -> MotionRequest:
     """Read a request.
 
-    Parameters
-    ----------
-    request : MotionPlanRequest
-    robot : WholeRobot
-    settings : MoveGroupSettings
+    - ``request``: MotionPlanRequest.
+    - ``settings``: MoveGroupSettings.
 
-    Raises
-    ------
-    RejectedError
-        It cannot be served as it is; the code says by which part of it.
+    Raises RejectedError: it cannot be served as it is; the code says by which part of it.
     """
     chain = chain_of(robot.model, request.group_name, "")
     _refuse_unserved(request)
@@ -233,10 +192,8 @@ def _chain_to_link(
 ) -> SerialChain | None:
     """Return the chain to the link whose pose a goal is about; None if there is none.
 
-    Raises
-    ------
-    RejectedError
-        The goal is about several links, or about one behind joints that do not move.
+    Raises RejectedError: the goal is about several links, or about one behind joints that do not
+    move.
     """
     regions, turns = goal.position_constraints, goal.orientation_constraints
     with refused_as(_INVALID):

@@ -34,15 +34,9 @@ def _no_contact(positions: Positions) -> str:
 class MoveItServices:
     """The services compute_ik and compute_fk of one node.
 
-    Parameters
-    ----------
-    node : Node
-        Gets the services under its own name.
-    robot : WholeRobot
-    settings : callable
-        Gives the parameters of the node.
-    collisions : Collisions
-        What the robot may touch.
+    - ``node``: gets the services under its own name.
+    - ``settings``: gives the parameters of the node.
+    - ``collisions``: what the robot may touch.
     """
 
     def __init__(

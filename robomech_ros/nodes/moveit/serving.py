@@ -71,10 +71,7 @@ def refused_as(code: int) -> Iterator[None]:
 class Outcomes:
     """Turns what becomes of requests into MoveIt's codes, whatever happens.
 
-    Parameters
-    ----------
-    node : Node
-        The source of all answers.
+    - ``node``: the source of all answers.
     """
 
     def __init__(self, node: Node) -> None:
@@ -84,11 +81,7 @@ class Outcomes:
     async def of(self, work: Awaitable[tuple[int, str]]) -> tuple[MoveItErrorCodes, bool]:
         """Await work that returns one of MoveItErrorCodes and a text; an error is an outcome too.
 
-        Returns
-        -------
-        MoveItErrorCodes
-        bool
-            Whether the work came to its end, without an error.
+        Returns whether the work came to its end, without an error.
         """
         ended = False
         try:

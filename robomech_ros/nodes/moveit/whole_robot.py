@@ -24,12 +24,8 @@ class WholeRobot:
 
     Joints that follow another are no part of it: MoveIt derives them from the joint they follow.
 
-    Parameters
-    ----------
-    frames : RobotFrames
-        Of the robot, with its present state.
-    attached : callable
-        Returns the attached objects of the planning scene by name.
+    - ``frames``: of the robot, with its present state.
+    - ``attached``: returns the attached objects of the planning scene by name.
     """
 
     def __init__(self, frames: RobotFrames, attached: Callable[[], Mapping[str, Any]]) -> None:
@@ -45,18 +41,11 @@ class WholeRobot:
     def read(self, state: Any, what: str = "robot_state") -> dict[str, float]:
         """Read the positions (rad or m) that a RobotState gives, by joint.
 
-        Parameters
-        ----------
-        state : RobotState
-        what : str
-            Its name in the request.
+        - ``state``: RobotState.
+        - ``what``: its name in the request.
 
-        Raises
-        ------
-        BadValueError
-            It contains objects that the robot of the planning scene does not carry.
-        UnknownJointError
-            What it says of joints is not to be understood.
+        Raises BadValueError: it contains objects that the robot of the planning scene does not
+        carry. UnknownJointError: what it says of joints is not to be understood.
         """
         for one in state.attached_collision_objects:
             if one.object.id not in self._attached():
@@ -81,18 +70,12 @@ class WholeRobot:
     async def start(self, state: Any, needed: Iterable[str], settings: Any) -> dict[str, float]:
         """Read the start_state of a request, which must be at rest.
 
-        Parameters
-        ----------
-        state : RobotState
-        needed : iterable of str
-            Joints that the plan needs.
-        settings : MoveGroupSettings
-            They hold the time-out for the present state, and the tolerance of velocities at rest.
+        - ``state``: RobotState.
+        - ``needed``: joints that the plan needs.
+        - ``settings``: MoveGroupSettings; they hold the time-out for the present state, and the
+          tolerance of velocities at rest.
 
-        Raises
-        ------
-        RobomechError
-            See `read` and `with_needed`; BadValueError for a joint that moves.
+        Raises RobomechError: see `read` and `with_needed`; BadValueError for a joint that moves.
         """
         given, tolerance = self.read(state, "start_state"), settings.stopped_velocity_tolerance
         joints = state.joint_state
@@ -111,23 +94,14 @@ class WholeRobot:
     ) -> dict[str, float]:
         """Add the present position of every joint that is not given.
 
-        Parameters
-        ----------
-        given : mapping
-            Positions (rad or m) by joint.
-        needed : iterable of str
-            Joints that an answer cannot do without.
-        patience : float
-            How long to wait for the present state of those (s).
-        tolerance : float, optional
-            Speed up to which those that are not given stand (rad/s or m/s); default any.
+        - ``given``: positions (rad or m) by joint.
+        - ``needed``: joints that an answer cannot do without.
+        - ``patience``: how long to wait for the present state of those (s).
+        - ``tolerance``: speed up to which those that are not given stand (rad/s or m/s); default
+          any.
 
-        Raises
-        ------
-        NoStateError
-            A joint that is needed is not given, and its present position is not known.
-        RobotMovesError
-            Such a joint moves.
+        Raises NoStateError: a joint that is needed is not given, and its present position is not
+        known. RobotMovesError: such a joint moves.
         """
         missing = [name for name in needed if name not in given]
         if missing:
@@ -158,12 +132,8 @@ class WholeRobot:
     async def places(self, frames: Iterable[str], patience: float) -> dict[str, FrameAttachment]:
         """Find the frames of poses; as in MoveIt where they are now, whatever their stamps.
 
-        Parameters
-        ----------
-        frames : iterable of str
-            "" is the base.
-        patience : float
-            How long to wait for each (s).
+        - ``frames``: "" is the base.
+        - ``patience``: how long to wait for each (s).
         """
         return {frame: await self._frames.place(frame, patience) for frame in set(frames)}
 

@@ -27,10 +27,7 @@ def free_domain() -> Iterator[int]:
     and the operating system frees it however the process ends.  Ports of Fast DDS that killed
     processes left in the domain are removed.
 
-    Raises
-    ------
-    NoFreeDomainError
-        There is none left.
+    Raises NoFreeDomainError: there is none left.
     """
     first = os.getpid() % len(_DOMAINS)
     for number in (*_DOMAINS[first:], *_DOMAINS[:first]):

@@ -15,37 +15,21 @@ from robomech_ros.rolling import rolling_robot
 
 @dataclass(frozen=True, kw_only=True)
 class NodesOfKind:
-    """Nodes for robots of one kind.
+    """Nodes for robots of one kind."""
 
-    Parameters
-    ----------
-    called : str
-        What such a robot is, for people.
-    nodes : tuple of str
-        Names of its nodes, in the order in which they are started.
-    load : callable
-        Loads a robot by name or path, and raises a ``RobomechError`` where that cannot be.
-    refused : tuple of str
-        Options of bringup that such robots have no use for.
-    simulator : str, optional
-        The node that publishes ``joint_states``, with the parameters ``publish_rate`` and
-        ``simulation``; empty for none.
-    frame_prefix : str, optional
-        The parameter with what names of frames begin with.
-    variant : callable, optional
-        Names the variant of a robot by name or path, such as its drive: its nodes also get the
-        parameters in ``config/<node>.<variant>.yaml``, if there is such a file.
-    demonstration : str, optional
-        The module of the demonstration, with ``demonstrate(robot, output)``; empty for none.
-    """
-
-    called: str
-    nodes: tuple[str, ...]
+    called: str  #: What such a robot is, for people.
+    nodes: tuple[str, ...]  #: Names of its nodes, in the order in which they are started.
+    #: Loads a robot by name or path, and raises a ``RobomechError`` where that cannot be.
     load: Callable[[str], object]
-    refused: tuple[str, ...]
+    refused: tuple[str, ...]  #: Options of bringup that such robots have no use for.
+    #: The node that publishes ``joint_states``, with the parameters ``publish_rate`` and
+    #: ``simulation``; empty for none.
     simulator: str = ""
-    frame_prefix: str = "frame_prefix"
+    frame_prefix: str = "frame_prefix"  #: The parameter with what names of frames begin with.
+    #: Names the variant of a robot by name or path, such as its drive: its nodes also get the
+    #: parameters in ``config/<node>.<variant>.yaml``, if there is such a file.
     variant: Callable[[str], str] | None = None
+    #: The module of the demonstration, with ``demonstrate(robot, output)``; empty for none.
     demonstration: str = ""
 
 

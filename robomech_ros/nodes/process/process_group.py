@@ -29,14 +29,9 @@ class ProcessGroup:
     They start with :data:`STOP_SIGNALS` blocked, and unblock them as soon as they can answer them:
     what comes before is not lost and does no harm.
 
-    Parameters
-    ----------
-    commands : mapping
-        Name to command line.
-    environment : mapping, optional
-        Variables to set on top of the present ones.
-    log : file, optional
-        Where the children write both their streams; default where this process writes.
+    - ``commands``: name to command line.
+    - ``environment``: variables to set on top of the present ones.
+    - ``log``: where the children write both their streams; default where this process writes.
     """
 
     def __init__(

@@ -23,10 +23,7 @@ def settle_pages() -> int:
     again what is needed again, mostly from its page cache. After a pause, a request spends most of
     its time on looking up pages: in huge ones it is answered 15 % sooner, for 4 MB more.
 
-    Returns
-    -------
-    int
-        Released address space (bytes); 0 on systems without such calls.
+    Returns the released address space (bytes); 0 on systems without such calls.
     """
     try:
         mappings = _MAPPINGS.read_text(encoding="utf-8", errors="replace")

@@ -53,13 +53,9 @@ class Spinner:
 
     An exception in a callback is logged, and the nodes go on serving.
 
-    Parameters
-    ----------
-    nodes : iterable of Node
-        Each may offer ``stop()``, plain or async, which runs in the spinning thread before the end:
-        hold the robot, abort goals.
-    context : Context, optional
-        Default the global one.
+    - ``nodes``: each may offer ``stop()``, plain or async, which runs in the spinning thread before
+      the end: hold the robot, abort goals.
+    - ``context``: default the global one.
     """
 
     def __init__(self, nodes: Iterable[Node], context: Context | None = None) -> None:
@@ -141,12 +137,9 @@ def _signal_events() -> "queue.SimpleQueue[None]":
 def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> int:
     """Run one node until SIGINT or SIGTERM; returns the exit code of the process.
 
-    Parameters
-    ----------
-    factory : callable
-        The node's class.  Its attribute ``SETTINGS``, the table of parameters, serves ``--help``.
-    args : sequence of str, optional
-        Command line with the program's name; default ``sys.argv``.
+    - ``factory``: the node's class. Its attribute ``SETTINGS``, the table of parameters, serves
+      ``--help``.
+    - ``args``: command line with the program's name; default ``sys.argv``.
     """
     return run_nodes([factory], args)
 

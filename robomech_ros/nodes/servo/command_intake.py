@@ -23,17 +23,10 @@ _DEPTH = 10
 class CommandIntake:
     """Gives commands to a servo, one kind at a time.
 
-    Parameters
-    ----------
-    node : Node
-    servo : Servo
-        Follows the commands.
-    reader : CommandReader
-        Makes them of messages.
-    settings : callable
-        Gives the parameters as they are now.
-    on_message : callable
-        Called when a message comes while the executor attends to the topics.
+    - ``servo``: follows the commands.
+    - ``reader``: makes them of messages.
+    - ``settings``: gives the parameters as they are now.
+    - ``on_message``: called when a message comes while the executor attends to the topics.
     """
 
     def __init__(

@@ -36,28 +36,14 @@ class CommandReader:
 
     Each method raises RobomechError for a field that cannot be: a frame that is not known or has no
     state, a joint that is not known, a value out of range.
-
-    Attributes
-    ----------
-    model : RobotModel
-    frames : RobotFrames
-        Find the frames that commands name.
-    monitor : JointStateMonitor
-        Knows where the joints are that move frames.
-    clock : MotionClock
-        Its time decides what is stale.
-    settings : callable
-        Gives the parameters as they are now.
-    ahead : callable
-        Gives how far ahead of its time the stream is sent (s).
     """
 
     model: RobotModel
-    frames: RobotFrames
-    monitor: JointStateMonitor
-    clock: MotionClock
-    settings: Callable[[], ServoNodeSettings]
-    ahead: Callable[[], float]
+    frames: RobotFrames  #: Find the frames that commands name.
+    monitor: JointStateMonitor  #: Knows where the joints are that move frames.
+    clock: MotionClock  #: Its time decides what is stale.
+    settings: Callable[[], ServoNodeSettings]  #: Gives the parameters as they are now.
+    ahead: Callable[[], float]  #: Gives how far ahead of its time the stream is sent (s).
 
     def twist(self, message: TwistStamped) -> TwistCommand:
         """Read a twist of the tip's origin, in the axes of the frame of its header."""

@@ -30,23 +30,10 @@ _STANDSTILL_PART = 0.01
 class Driver:
     """Makes one robot follow commands; idle it is woken by the next of them.
 
-    Parameters
-    ----------
-    node : Node
-        Owner of timer, topics and publishers.
-    model : RobotModel
-    servo : Servo
-        Turns commands into a stream.
-    monitor : JointStateMonitor
-        Hears the robot's joint states.
-    clock : MotionClock
-    settings : callable
-        Gives the parameters as they are now.
-
-    Attributes
-    ----------
-    stream : StreamPublisher
-        The stream to the controller.
+    - ``node``: owner of timer, topics and publishers.
+    - ``servo``: turns commands into a stream.
+    - ``monitor``: hears the robot's joint states.
+    - ``settings``: gives the parameters as they are now.
     """
 
     def __init__(
@@ -68,6 +55,7 @@ class Driver:
         self._hold_ups = StallMonitor()
         self._hold_ups.look(clock.now())
         frames = RobotFrames(node, model, monitor, settings)
+        #: The stream to the controller.
         self.stream = StreamPublisher(node, servo, clock, model.chain.joint_names, settings())
         lead = self.stream.lead
         reader = CommandReader(

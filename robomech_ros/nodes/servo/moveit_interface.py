@@ -23,11 +23,7 @@ _KINDS: dict[int, type[Command]] = {
 class MoveItInterface:
     """The service switch_command_type, and the status as MoveIt's clients read it.
 
-    Parameters
-    ----------
-    node : Node
-    choose : callable
-        Has only one kind of commands followed from now on.
+    - ``choose``: has only one kind of commands followed from now on.
     """
 
     def __init__(self, node: Node, choose: Callable[[type[Command]], None]) -> None:

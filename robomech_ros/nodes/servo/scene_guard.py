@@ -18,14 +18,8 @@ if TYPE_CHECKING:
 class SceneGuard:
     """Follows the planning scene, and makes the guard of a servo from it.
 
-    Parameters
-    ----------
-    node : Node
-    model : RobotModel
-    monitor : JointStateMonitor
-        Knows the positions of joints outside the chain, such as fingers.
-    settings : callable
-        Gives the parameters as they are now.
+    - ``monitor``: knows the positions of joints outside the chain, such as fingers.
+    - ``settings``: gives the parameters as they are now.
     """
 
     def __init__(

@@ -41,21 +41,13 @@ def status_topic(node: Node, servo: str = "~") -> str:
 class StatusPublisher:
     """Publishes the status of a servo.
 
-    Parameters
-    ----------
-    node : Node
-    refusal : callable
-        Gives why a command was refused just before a time (s); empty if none was.
-
-    Attributes
-    ----------
-    also : callable
-        Called with every message that is published.
+    - ``refusal``: gives why a command was refused just before a time (s); empty if none was.
     """
 
     def __init__(self, node: Node, refusal: Callable[[float], str]) -> None:
         self._clock, self._refusal = node.get_clock(), refusal
         self._publisher = node.create_publisher(ServoStatus, status_topic(node), 10)
+        #: Called with every message that is published.
         self.also: Callable[[ServoStatus], None] = lambda status: None
         self._published: tuple[tuple[object, ...], float] = ((), -REPEATED)
 

@@ -23,25 +23,9 @@ _END_TOLERANCE = 1e-6
 class StreamPublisher:
     """Keeps the stream of a servo some periods ahead of time, and publishes it.
 
-    Parameters
-    ----------
-    node : Node
-    servo : Servo
-        Makes the stream.
-    clock : MotionClock
-    names : tuple of str
-        The joints.
-    settings : ServoNodeSettings
-        Topic, rate and lead.
-
-    Attributes
-    ----------
-    lead : AdaptiveLead
-        How many periods the stream is ahead.
-    period : float
-        Time between knots (s).
-    topic : str
-        Topic of the controller's input.
+    - ``servo``: makes the stream.
+    - ``settings``: topic, rate and lead.
+    - ``period``: time between knots (s).
     """
 
     def __init__(
@@ -54,6 +38,7 @@ class StreamPublisher:
     ) -> None:
         self._servo, self._clock, self._names = servo, clock, names
         self._most, self.period = max_lead(settings), 1.0 / settings.publish_rate
+        #: How many periods the stream is ahead.
         self.lead = AdaptiveLead(self.period, settings.lead, self._most)
         self._logger, self._said = node.get_logger(), False
         # The time of the latest knot (s).
@@ -61,7 +46,7 @@ class StreamPublisher:
         # Where the last message ends (rad or m).
         self._end: Array | None = None
         self._publisher = node.create_publisher(JointTrajectory, settings.command_out_topic, 10)
-        self.topic = str(self._publisher.topic_name)
+        self.topic = str(self._publisher.topic_name)  #: Topic of the controller's input.
 
     def begin(self, now: float, position: Array, velocity: Array) -> None:
         """Begin where the joints will be at the first knot (rad or m, and per s)."""
@@ -117,12 +102,8 @@ class StreamPublisher:
     def publish(self, now: float) -> tuple[float, Array]:
         """Publish the stream; its stamp is no later than now, so that it counts at once.
 
-        Returns
-        -------
-        time : float
-            Of the first knot that is shown (s).
-        position : ndarray, shape (n,)
-            Of the joints there (rad or m).
+        Returns the time (s) of the first knot that is shown, and the joint positions (n,) there
+        (rad or m).
         """
         samples, lead = self._servo.samples(), self.lead.periods
         self._end = samples.positions[-1]

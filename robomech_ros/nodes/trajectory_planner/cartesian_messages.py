@@ -35,21 +35,11 @@ _AT_SINGULARITY = {PlanCartesian.Request.STOP: "STOP", PlanCartesian.Request.SLO
 
 @dataclass(frozen=True, eq=False)
 class PathRequest:
-    """Content of a PlanCartesian request, apart from its start.
+    """Content of a PlanCartesian request, apart from its start."""
 
-    Attributes
-    ----------
-    waypoints : ndarray, shape (m, 4, 4)
-        Poses (m).
-    kind : str
-        Of the path, as `waypoint_path` knows it.
-    options : dict
-        Keywords of `plan_along`.
-    """
-
-    waypoints: Array
-    kind: Any
-    options: dict[str, Any]
+    waypoints: Array  #: Poses (m), shape (m, 4, 4).
+    kind: Any  #: str; of the path, as `waypoint_path` knows it.
+    options: dict[str, Any]  #: Keywords of `plan_along`.
 
     def path_from(self, pose: Array) -> PosePath:
         """Lay the path from a pose (4, 4); refuse waypoints that all are that pose."""
@@ -63,16 +53,11 @@ class PathRequest:
 def read_path_request(request: Any, settings: PlannerSettings) -> PathRequest:
     """Read a PlanCartesian request except its start; the waypoints stay in their frames.
 
-    Parameters
-    ----------
-    request : PlanCartesian.Request
-        Its zeros stand for the parameters of the same names, and for no speed limits.
-    settings : PlannerSettings
+    - ``request``: PlanCartesian.Request; its zeros stand for the parameters of the same names, and
+      for no speed limits.
 
-    Raises
-    ------
-    RobomechError
-        An unknown kind of path or profile, a value out of range, a pose that is none.
+    Raises RobomechError: an unknown kind of path or profile, a value out of range, a pose that is
+    none.
     """
     options = {
         "profile": named("profile", request.profile, _PROFILES),
@@ -89,22 +74,13 @@ async def in_base(
 ) -> PathRequest:
     """Return a request with its waypoints in the base.
 
-    Parameters
-    ----------
-    asked : PathRequest
-        With waypoints in their frames.
-    request : PlanCartesian.Request
-        Names these.
-    frames : RobotFrames
-    at : mapping
-        Where the joints of the chain are at the start (rad or m): links are there.
-    patience : float
-        How long to wait for each frame (s).
+    - ``asked``: with waypoints in their frames.
+    - ``request``: PlanCartesian.Request; names these.
+    - ``at``: where the joints of the chain are at the start (rad or m): links are there.
+    - ``patience``: how long to wait for each frame (s).
 
-    Raises
-    ------
-    FrameUnavailableError, NoStateError, BadValueError
-        A frame is not known, or puts a waypoint too far away.
+    Raises FrameUnavailableError, NoStateError, BadValueError: a frame is not known, or puts a
+    waypoint too far away.
     """
     poses = asked.waypoints.copy()
     for k, waypoint in enumerate(request.waypoints):

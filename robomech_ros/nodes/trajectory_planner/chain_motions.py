@@ -19,16 +19,10 @@ from robomech_ros.typing import Array
 
 @dataclass(frozen=True, eq=False)
 class Planned:
-    """A motion of the joints of trajectories.
-
-    Attributes
-    ----------
-    sampled : SampledPlan
-    poses : callable
-        Gives the poses (m, 4, 4) of the tip in the base at its samples; it may take long.
-    """
+    """A motion of the joints of trajectories."""
 
     sampled: SampledPlan
+    #: Gives the poses (m, 4, 4) of the tip in the base at its samples; it may take long.
     poses: Callable[[], Array]
 
 
@@ -37,11 +31,7 @@ class ChainMotions:
 
     `PlatformMotions` has the same methods.
 
-    Parameters
-    ----------
-    chain : SerialChain
-    joints : JointPositions
-        Reads requests.
+    - ``joints``: reads requests.
     """
 
     def __init__(self, chain: SerialChain, joints: JointPositions) -> None:

@@ -44,27 +44,15 @@ def read_plan_request(
 ) -> tuple[Array, dict[str, Any]]:
     """Read a PlanJoint request except its start and goal.
 
-    Parameters
-    ----------
-    request : PlanJoint.Request
-        Its zeros stand for defaults.
-    limits : Limits
-        Of n joints.
-    settings : PlannerSettings
-        Whose max_duration, max_waypoints and limit_margin count.
+    - ``request``: PlanJoint.Request; its zeros stand for defaults.
+    - ``limits``: of n joints.
+    - ``settings``: whose max_duration, max_waypoints and limit_margin count.
 
-    Returns
-    -------
-    via : ndarray, shape (m, n)
-        Points to pass on the way, rad or m.
-    options : dict
-        Keywords of `fitting_plan`: `wanted_period`, and those of `through_points`.
+    Returns the points (m, n) to pass on the way (rad or m), and keywords of `fitting_plan`:
+    `wanted_period`, and those of `through_points`.
 
-    Raises
-    ------
-    RobomechError
-        An unknown profile, via points that it does not take or that are invalid, a value out of
-        range.
+    Raises RobomechError: an unknown profile, via points that it does not take or that are invalid,
+    a value out of range.
     """
     options = _plan_options(request, settings.max_duration)
     options |= {name: options[name] * (1.0 - settings.limit_margin) for name in _SCALES}
@@ -120,10 +108,8 @@ def _via_points(request: Any, limits: Limits, most: int) -> Array:
 def plan_points(start: Array, via: Array, goal: Array, limits: Limits) -> Array:
     """Put start (n,), via points (m, n) and goal (n,), rad or m, together.
 
-    Raises
-    ------
-    SeedOutsideLimitsError, LimitExceededError, BadValueError
-        Start or goal is outside the position limits, or beyond all sense.
+    Raises SeedOutsideLimitsError, LimitExceededError, BadValueError: start or goal is outside the
+    position limits, or beyond all sense.
     """
     points = np.concatenate([start[None], via, goal[None]])
     if not both_within(start, goal, limits.ranges):

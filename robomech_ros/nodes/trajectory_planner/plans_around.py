@@ -26,22 +26,12 @@ def plan_around(
 ) -> Any:
     """Return a plan if it is proved free of contact, else one around what is in the way.
 
-    Parameters
-    ----------
-    scene : PlanningScene
-    plan : callable
-        Makes the plan.
-    points : ndarray, shape (m, n)
-        Start, via points and goal (rad or m).
-    options : dict
-        Of `fitting_plan`.
+    - ``plan``: makes the plan.
+    - ``points``: start, via points and goal (rad or m), shape (m, n).
+    - ``options``: of `fitting_plan`.
 
-    Raises
-    ------
-    OutcomeError
-        A point is in contact, no path was found, or the via points have their own instants.
-    DurationTooShortError
-        The motion takes longer than the wanted duration.
+    Raises OutcomeError: a point is in contact, no path was found, or the via points have their own
+    instants. DurationTooShortError: the motion takes longer than the wanted duration.
     """
     try:
         found = plan()
@@ -89,10 +79,7 @@ def ending_before_contact(
 ) -> PathStopLimits:
     """Let a path of the tool end before contact, too.
 
-    Raises
-    ------
-    OutcomeError
-        The start (n,) is in contact.
+    Raises OutcomeError: the start (n,) is in contact.
     """
     from robomech_ros.collision import stop_before_contact
     from robomech_ros.collision.planning import in_words

@@ -22,11 +22,7 @@ _SAME = 1e-4
 class PlatformMotions:
     """Plans motions of a parallel robot of n joints and m drives.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-    joints : JointPositions
-        Reads requests, and knows the present posture.
+    - ``joints``: reads requests, and knows the present posture.
     """
 
     def __init__(self, mechanism: Mechanism, joints: JointPositions) -> None:
@@ -79,11 +75,8 @@ class PlatformMotions:
     ) -> Planned:
         """Plan through points of the drives (k, m), in the assembly mode of the start.
 
-        Raises
-        ------
-        OutcomeError
-            A singularity or the limit of a passive joint is on the way, or the goal is in another
-            assembly mode.
+        Raises OutcomeError: a singularity or the limit of a passive joint is on the way, or the
+        goal is in another assembly mode.
         """
         plan = plan_drives(self.way, points, start, limits=self._all, **options)
         times, way = plan.sampled.waypoints.times, plan.way

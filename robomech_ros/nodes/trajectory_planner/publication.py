@@ -29,12 +29,8 @@ class PlanPublication:
     later finds no path of an earlier plan.  Pose messages are used again: to make one takes longer
     than to fill it, and a message that is published has been copied.
 
-    Parameters
-    ----------
-    node : Node
-        Gets the topics ``planned_trajectory`` and ``planned_path`` under its own name.
-    model : RobotModel
-        Whose motions they are.
+    - ``node``: gets the topics ``planned_trajectory`` and ``planned_path`` under its own name.
+    - ``model``: whose motions they are.
     """
 
     def __init__(self, node: Node, model: RobotModel) -> None:
@@ -57,11 +53,8 @@ class PlanPublication:
     def publish_soon(self, trajectory: JointTrajectory, poses: Callable[[], Array]) -> None:
         """Publish a plan after the answer has left, before the next one is encoded.
 
-        Parameters
-        ----------
-        trajectory : JointTrajectory
-        poses : callable
-            Gives the poses (m, 4, 4) of the tip at its points; called only if somebody listens.
+        - ``poses``: gives the poses (m, 4, 4) of the tip at its points; called only if somebody
+          listens.
         """
         self._waiting = (trajectory, poses)
         if self._node.executor is None:

@@ -30,17 +30,11 @@ def request_topic(action: str) -> str:
 class ActionTransport:
     """Sends execution requests as goals; of all goals the result of the last one counts.
 
-    Parameters
-    ----------
-    node : Node
-    controller : str
-        Name of the controller.
-    goals : ExecuteGoals or FollowGoals
-        Those of the action.
-    tolerances : AskedTolerances
-        What every goal asks of the controller.
-    on_result : callable
-        Called with every execution request whose result has come, its code and its text.
+    - ``controller``: name of the controller.
+    - ``goals``: those of the action.
+    - ``tolerances``: what every goal asks of the controller.
+    - ``on_result``: called with every execution request whose result has come, its code and its
+      text.
     """
 
     def __init__(

@@ -24,22 +24,13 @@ _DEPTH = 10
 class ControllerClient:
     """Sends trajectories to one controller.
 
-    Parameters
-    ----------
-    node : Node
-        Owner of publisher, client and subscription.
-    controller : str
-        Name of the controller.
-    clock : MotionClock
-        The time of execution requests.
-    action : ActionTransport
-        The way by action.
-    refusals : ControllerRefusals
-        What the controller says of trajectories sent by topic.
-    life : LivelinessMonitor
-        Whether the controller lives.
-    monitor : JointStateMonitor
-        Where the joints are.
+    - ``node``: owner of publisher, client and subscription.
+    - ``controller``: name of the controller.
+    - ``clock``: the time of execution requests.
+    - ``action``: the way by action.
+    - ``refusals``: what the controller says of trajectories sent by topic.
+    - ``life``: whether the controller lives.
+    - ``monitor``: where the joints are.
     """
 
     def __init__(

@@ -16,13 +16,8 @@ _DEPTH = 10
 class ControllerRefusals:
     """Finds the refusal of what was sent last; a controller that says nothing has none.
 
-    Parameters
-    ----------
-    node : Node
-    controller : str
-        Name of the controller.
-    on_refused : callable
-        Called with an execution request, the controller's code and its reason.
+    - ``controller``: name of the controller.
+    - ``on_refused``: called with an execution request, the controller's code and its reason.
     """
 
     def __init__(

@@ -18,22 +18,10 @@ from robomech_ros.outcomes import Code, name_of
 class DispatchLoop:
     """Tells a dispatcher the time, while it has something to do.
 
-    Parameters
-    ----------
-    node : Node
-        Owner of the timer, and whose log tells how execution requests end.
-    clock : MotionClock
-    link : ControllerClient
-        The way to the controller.
-    settings : PublisherSettings
-        How often it looks, and what the dispatcher needs.
-    obstruction : callable
-        Names what an execution request would touch; "" for nothing.
-
-    Attributes
-    ----------
-    dispatcher : Dispatcher
-        What executes execution requests.
+    - ``node``: owner of the timer, and whose log tells how execution requests end.
+    - ``link``: the way to the controller.
+    - ``settings``: how often it looks, and what the dispatcher needs.
+    - ``obstruction``: names what an execution request would touch; "" for nothing.
     """
 
     def __init__(
@@ -47,6 +35,7 @@ class DispatchLoop:
         self._node, self._log = node, ThrottledLog(node.get_logger())
         self.clock = clock
         given = dispatch_settings(settings)
+        #: What executes execution requests.
         self.dispatcher = Dispatcher(link, given, self._log_end, self._log_stall, obstruction)
         self._timer = node.create_timer(1.0 / settings.watch_rate, self._look, clock=clock.clock)
         self._timer.cancel()
@@ -60,10 +49,7 @@ class DispatchLoop:
     def offer(self, execution: ExecutionRequest) -> None:
         """Queue an execution request.
 
-        Raises
-        ------
-        QueueFullError
-            It is not accepted.
+        Raises QueueFullError: it is not accepted.
         """
         self.dispatcher.offer(execution, self.clock.now())
         self.watch()

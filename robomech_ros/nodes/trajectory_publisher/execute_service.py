@@ -33,15 +33,9 @@ class NoPlanError(NoStateError):
 class ExecuteService:
     """Executes what a request asks for, and answers when the motion has ended.
 
-    Parameters
-    ----------
-    node : Node
-    settings : PublisherSettings
-        How far the robot may be from start and goal.
-    plans : ReceivedPlans
-        Where the latest plan is, what makes execution requests, and what executes them.
-    link : ControllerClient
-        Knows where the robot is.
+    - ``settings``: how far the robot may be from start and goal.
+    - ``plans``: where the latest plan is, what makes execution requests, and what executes them.
+    - ``link``: knows where the robot is.
     """
 
     def __init__(

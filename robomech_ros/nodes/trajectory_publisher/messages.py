@@ -20,23 +20,12 @@ _NANO = 1_000_000_000
 
 @dataclass
 class ExecutionReader:
-    """Makes execution requests of messages.
+    """Makes execution requests of messages."""
 
-    Attributes
-    ----------
-    clock : MotionClock
-        The time from which stamps count.
-    max_points : int
-        Most points of a trajectory.
-    max_duration : float
-        How long one may last, s.
-    robot_joints : tuple of str
-        The joints that there are; empty as long as the robot is not known.
-    """
-
-    clock: MotionClock
-    max_points: int
-    max_duration: float
+    clock: MotionClock  #: The time from which stamps count.
+    max_points: int  #: Most points of a trajectory.
+    max_duration: float  #: How long one may last, s.
+    #: The joints that there are; empty as long as the robot is not known.
     robot_joints: tuple[str, ...] = ()
 
     def read(
@@ -44,10 +33,7 @@ class ExecutionReader:
     ) -> ExecutionRequest:
         """Check a received trajectory, and make an execution request of it.
 
-        Raises
-        ------
-        RobomechError
-            It is refused.
+        Raises RobomechError: it is refused.
         """
         names = list(message.joint_names)
         if not names:
@@ -65,17 +51,11 @@ class ExecutionReader:
 def message_from_execution(execution: ExecutionRequest, now: int) -> JointTrajectory:
     """Make the message of an execution request.
 
-    Parameters
-    ----------
-    execution : ExecutionRequest
-        What is to be sent.
-    now : int
-        ROS time of `sent_at`, ns; where the pace is changed on the way, the stamp counts from it.
+    - ``execution``: what is to be sent.
+    - ``now``: ROS time of `sent_at`, ns; where the pace is changed on the way, the stamp counts
+      from it.
 
-    Returns
-    -------
-    JointTrajectory
-        As it came, unless it is sent at another pace.
+    Returns the message as it came, unless it is sent at another pace.
     """
     if not execution.paced:
         return execution.trajectory

@@ -41,58 +41,31 @@ _MOST_CYCLES = 1_000_000
 
 @dataclass(frozen=True)
 class Step:
-    """A move to a posture, or a wait.
+    """A move to a posture, or a wait."""
 
-    Attributes
-    ----------
-    posture : str
-        Where to move; empty for a wait.
-    positions : tuple of float
-        Its joint positions, rad or m.
-    wait : float
-        How long to wait, s.
-    options : mapping
-        Of `point_to_point`.
-    """
-
-    posture: str = ""
-    positions: tuple[float, ...] = ()
-    wait: float = 0.0
-    options: Mapping[str, Any] = field(default_factory=dict)
+    posture: str = ""  #: Where to move; empty for a wait.
+    positions: tuple[float, ...] = ()  #: Its joint positions, rad or m.
+    wait: float = 0.0  #: How long to wait, s.
+    options: Mapping[str, Any] = field(default_factory=dict)  #: Of `point_to_point`.
 
 
 @dataclass(frozen=True)
 class Program:
-    """Steps to execute, and their repetitions.
+    """Steps to execute, and their repetitions."""
 
-    Attributes
-    ----------
-    steps : tuple of Step
-        In their order.
-    cycles : int
-        How often; 0 = until it is cancelled.
-    """
-
-    steps: tuple[Step, ...]
-    cycles: int
+    steps: tuple[Step, ...]  #: In their order.
+    cycles: int  #: How often; 0 = until it is cancelled.
 
 
 def read_program(path: Path, chain: SerialChain, semantic: SemanticDescription) -> Program:
     """Read a program for a robot.
 
-    Parameters
-    ----------
-    path : Path
-        Of the YAML file.
-    chain : SerialChain
-        The robot, for the number of joints and their ranges.
-    semantic : SemanticDescription
-        For named postures that the program does not give itself.
+    - ``path``: of the YAML file.
+    - ``chain``: the robot, for the number of joints and their ranges.
+    - ``semantic``: for named postures that the program does not give itself.
 
-    Raises
-    ------
-    RobotDescriptionError
-        The file cannot be read, or says something that cannot be; with the place in it.
+    Raises RobotDescriptionError: the file cannot be read, or says something that cannot be; with
+    the place in it.
     """
     where = f"program '{path}'"
     try:

@@ -28,23 +28,11 @@ _PERIOD = 0.01
 class ProgramRunner:
     """Runs one program at a time.
 
-    Parameters
-    ----------
-    node : Node
-        Owner of the timers of waits, and whose log tells how a program ended.
-    clock : MotionClock
-        The time of waits.
-    offer : callable
-        Queues an execution request.
-    transport : Transport
-        How moves reach the controller.
-    limits : tuple of int and float
-        Most points of a trajectory, and how long it may be (s).
-
-    Attributes
-    ----------
-    condition : str
-        What it is doing, or how the last program ended.
+    - ``node``: owner of the timers of waits, and whose log tells how a program ended.
+    - ``clock``: the time of waits.
+    - ``offer``: queues an execution request.
+    - ``transport``: how moves reach the controller.
+    - ``limits``: most points of a trajectory, and how long it may be (s).
     """
 
     def __init__(
@@ -55,7 +43,7 @@ class ProgramRunner:
         transport: Transport,
         limits: tuple[int, float],
     ) -> None:
-        self.condition = ""
+        self.condition = ""  #: What it is doing, or how the last program ended.
         self._node, self._clock, self._offer, self._transport = node, clock, offer, transport
         self._max_points, self._max_duration = limits
         self._preparing = False
@@ -81,10 +69,7 @@ class ProgramRunner:
     def check(self, program: Program, chain: SerialChain, place: Array) -> None:
         """Plan all moves of a program, from where the robot is (rad or m); in any thread.
 
-        Raises
-        ------
-        RobomechError
-            One of its moves cannot be planned.
+        Raises RobomechError: one of its moves cannot be planned.
         """
         known = set()
         for step in (*program.steps, *program.steps[: program.cycles != 1]):

@@ -27,22 +27,10 @@ from robomech_ros.typing import Array
 class ProgramService:
     """Reads a program and has it run, from where the robot is.
 
-    Parameters
-    ----------
-    node : Node
-    table : NodeParameters
-        Which program.
-    runner : ProgramRunner
-        Runs it.
-    loop : DispatchLoop
-        Where nothing else may be under way.
-    link : ControllerClient
-        Knows where the robot is.
-
-    Attributes
-    ----------
-    model : RobotModel or None
-        The robot, once it is known.
+    - ``table``: which program.
+    - ``runner``: runs it.
+    - ``loop``: where nothing else may be under way.
+    - ``link``: knows where the robot is.
     """
 
     def __init__(
@@ -53,7 +41,7 @@ class ProgramService:
         loop: DispatchLoop,
         link: ControllerClient,
     ) -> None:
-        self.model: RobotModel | None = None
+        self.model: RobotModel | None = None  #: The robot, once it is known.
         self._table, self._runner, self._loop, self._link = table, runner, loop, link
         self._worker = Worker(node)
         group = ReentrantCallbackGroup()
@@ -123,12 +111,7 @@ class ProgramService:
 def program_file(settings: PublisherSettings) -> Path:
     """Find the file of the program: nobody who only reaches the node may have any other read.
 
-    Raises
-    ------
-    BadValueError
-        There is none.
-    ParameterError
-        It is outside of the folder of programs.
+    Raises BadValueError: there is none. ParameterError: it is outside of the folder of programs.
     """
     name, folder = settings.program, settings.program_folder
     if not name:
@@ -149,10 +132,7 @@ def program_file(settings: PublisherSettings) -> Path:
 def check_program_change(before: PublisherSettings, after: PublisherSettings) -> None:
     """Refuse a program that is set at run time, unless it is in the folder of programs.
 
-    Raises
-    ------
-    ParameterError
-        It is not, or there is no such folder.
+    Raises ParameterError: it is not, or there is no such folder.
     """
     if after.program == before.program or not after.program:
         return

@@ -31,26 +31,9 @@ _ARRIVAL_WAIT = 0.1
 class ReceivedPlans:
     """Keeps the latest plan, and has every new one executed if that is wanted.
 
-    Parameters
-    ----------
-    node : Node
-    table : NodeParameters
-        Where plans come from, and what is done with them.
-    reader : ExecutionReader
-        Makes execution requests of them.
-    loop : DispatchLoop
-        Executes them.
-
-    Attributes
-    ----------
-    latest : ExecutionRequest or None
-        The plan that came last.
-    asked : ExecutionRequest or None
-        The trajectory that a request gave last.
-    refusal : str
-        Why the plan that came last was refused; empty if it was not.
-    topics : str
-        Where plans come from, in words.
+    - ``table``: where plans come from, and what is done with them.
+    - ``reader``: makes execution requests of them.
+    - ``loop``: executes them.
     """
 
     def __init__(
@@ -65,9 +48,10 @@ class ReceivedPlans:
         self._table, self.reader, self.loop = table, reader, loop
         self._next: Future | None = None
         self._waiting = self._given_up = 0
-        self.latest: ExecutionRequest | None = None
-        self.asked: ExecutionRequest | None = None
-        self.refusal = ""
+        self.latest: ExecutionRequest | None = None  #: The plan that came last.
+        self.asked: ExecutionRequest | None = None  #: The trajectory that a request gave last.
+        self.refusal = ""  #: Why the plan that came last was refused; empty if it was not.
+        #: Where plans come from, in words.
         self.topics = self._listen(table.settings.planner_topic)
 
     def executes(self, trajectory: JointTrajectory) -> bool:
@@ -79,10 +63,7 @@ class ReceivedPlans:
     async def wait_for_plan(self) -> bool:
         """Wait a moment for a plan that was made before a request but has not arrived.
 
-        Returns
-        -------
-        bool
-            False if the request was given up meanwhile.
+        Returns False if the request was given up meanwhile.
         """
         if self._next is None or self._next.done():
             self._next = Future()

@@ -19,13 +19,8 @@ if TYPE_CHECKING:
 class SceneCheck:
     """Checks what execution requests would touch.
 
-    Parameters
-    ----------
-    node : Node
-    monitor : JointStateMonitor
-        Knows the positions of the joints.
-    settings : callable
-        Gives the parameters as they are now.
+    - ``monitor``: knows the positions of the joints.
+    - ``settings``: gives the parameters as they are now.
     """
 
     def __init__(

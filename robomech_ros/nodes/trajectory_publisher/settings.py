@@ -121,10 +121,7 @@ def answering_transport(settings: PublisherSettings) -> Transport:
 def asked_tolerances(settings: PublisherSettings) -> AskedTolerances:
     """Pick what goals ask of the controller.
 
-    Raises
-    ------
-    ParameterError
-        A tolerance between -1 and 0, which means nothing.
+    Raises ParameterError: a tolerance between -1 and 0, which means nothing.
     """
     asked = AskedTolerances(
         path=settings.controller_path_tolerance,
@@ -141,10 +138,7 @@ def asked_tolerances(settings: PublisherSettings) -> AskedTolerances:
 def action_goals(transport: Transport) -> "ExecuteGoals | FollowGoals":
     """Return the action of a transport.
 
-    Raises
-    ------
-    ParameterError
-        It is of a package that is not installed.
+    Raises ParameterError: it is of a package that is not installed.
     """
     if transport is not Transport.FOLLOW:
         return ExecuteGoals()

@@ -23,15 +23,9 @@ _SLOWEST = 1e-6
 class SpeedServices:
     """Lets clients say how fast trajectories are executed, and whether at all.
 
-    Parameters
-    ----------
-    node : Node
-    loop : DispatchLoop
-        What executes.
-    cancel_program : callable
-        Ends the program that runs, for a reason; returns whether one did.
-    give_up_requests : callable
-        Gives up the requests that wait for a plan; returns how many do.
+    - ``loop``: what executes.
+    - ``cancel_program``: ends the program that runs, for a reason; returns whether one did.
+    - ``give_up_requests``: gives up the requests that wait for a plan; returns how many do.
     """
 
     def __init__(

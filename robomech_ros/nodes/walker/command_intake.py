@@ -25,22 +25,10 @@ _DEPTH = 10
 class CommandIntake:
     """Commands that have come to a walker.
 
-    Parameters
-    ----------
-    node : Node
-    walker : Walker
-    clock : MotionClock
-    duration : float
-        In which the trunk goes to a new pose (s).
-
-    Attributes
-    ----------
-    commanded : bool
-        Whether a twist has come with the last look.
-    refusal : str
-        Why the last pose or gait was not taken; empty if it was.
-    refused : int
-        How many were not.
+    - ``duration``: in which the trunk goes to a new pose (s).
+    - ``commanded``: whether a twist has come with the last look.
+    - ``refusal``: why the last pose or gait was not taken; empty if it was.
+    - ``refused``: how many were not.
     """
 
     def __init__(self, node: Node, walker: Walker, clock: MotionClock, duration: float) -> None:

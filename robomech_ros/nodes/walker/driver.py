@@ -34,15 +34,7 @@ _PATIENCE = 1.0
 
 
 class Driver:
-    """Has one robot walk.
-
-    Parameters
-    ----------
-    node : Node
-    walker : Walker
-    clock : MotionClock
-    settings : WalkerSettings
-    """
+    """Has one robot walk."""
 
     def __init__(
         self, node: Node, walker: Walker, clock: MotionClock, settings: WalkerSettings

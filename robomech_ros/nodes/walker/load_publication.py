@@ -18,19 +18,7 @@ _DEPTH = 10
 
 
 class LoadPublication:
-    """Publishes forces at the feet and joint torques of a walk, if somebody subscribes to them.
-
-    Parameters
-    ----------
-    node : Node
-    robot : LeggedRobot
-    settings : WalkerSettings
-
-    Attributes
-    ----------
-    refusal : str
-        Why the latest loads were not published; empty if they were.
-    """
+    """Publishes forces at the feet and joint torques of a walk, if somebody subscribes to them."""
 
     def __init__(self, node: Node, robot: LeggedRobot, settings: WalkerSettings) -> None:
         self._odom = settings.frame_prefix + settings.odom_frame_id
@@ -41,6 +29,7 @@ class LoadPublication:
         try:
             self._dynamics = WalkingDynamics(robot)
         except MissingInertiaError as error:
+            #: Why the latest loads were not published; empty if they were.
             self.refusal = str(error)
 
     def publish(self, stream: WalkStream, stamp: int) -> None:

@@ -30,10 +30,7 @@ class Uncertainty:
     The motion of the trunk follows from the standing feet by least squares.  The way of each foot
     under the trunk has a variance in proportion to its length.
 
-    Parameters
-    ----------
-    slip : float
-        Variance of the way of a foot for each metre (m^2/m).
+    - ``slip``: variance of the way of a foot for each metre (m^2/m).
     """
 
     def __init__(self, slip: float) -> None:
@@ -82,14 +79,7 @@ class Uncertainty:
 
 
 class WalkPublication:
-    """Publishes where a walking machine is.
-
-    Parameters
-    ----------
-    node : Node
-    robot : LeggedRobot
-    settings : WalkerSettings
-    """
+    """Publishes where a walking machine is."""
 
     def __init__(self, node: Node, robot: LeggedRobot, settings: WalkerSettings) -> None:
         prefix = settings.frame_prefix

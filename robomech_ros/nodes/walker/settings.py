@@ -107,10 +107,8 @@ class WalkerSettings:
 def walker_of(robot: LeggedRobot, settings: WalkerSettings) -> Walker:
     """Make the walker.
 
-    Raises
-    ------
-    RobomechError
-        The gait is for other robots, or keeps no such margin; limits of speed are missing.
+    Raises RobomechError: the gait is for other robots, or keeps no such margin; limits of speed are
+    missing.
     """
     linear = settings.max_linear_acceleration
     return Walker(

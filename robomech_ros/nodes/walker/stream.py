@@ -33,36 +33,17 @@ _PEAK = 1.5
 
 
 class Knot(NamedTuple):
-    """A moment of the walk.
+    """A moment of the walk."""
 
-    Attributes
-    ----------
-    time : float
-        s.
-    update : WalkUpdate
-        The walk then.
-    moment : Walker
-        From where it could go on.
-    """
-
-    time: float
-    update: WalkUpdate
-    moment: Walker
+    time: float  #: s.
+    update: WalkUpdate  #: The walk then.
+    moment: Walker  #: From where it could go on.
 
 
 class WalkStream:
     """Keeps a walk ahead of its time.
 
-    Parameters
-    ----------
-    walker : Walker
-    lead : float
-        How far ahead (s).
-
-    Attributes
-    ----------
-    place : ndarray, shape (3,)
-        Where the walk is at present: x, y (m) and yaw (rad) over the ground.
+    - ``lead``: how far ahead (s).
     """
 
     def __init__(self, walker: Walker, lead: float) -> None:
@@ -70,6 +51,7 @@ class WalkStream:
         self._past: deque[Knot] = deque()
         self._knots: deque[Knot] = deque()
         self._repeats, self._settled = 0, -np.inf
+        #: Where the walk is at present: x, y (m) and yaw (rad) over the ground, shape (3,).
         self.place = _STILL
 
     def begin(self, now: float) -> None:
@@ -174,13 +156,8 @@ class WalkStream:
 def rising(walker: Walker, position: Array, part: float) -> Samples:
     """Return the way of the joints from where they are (n,) to where the walker stands.
 
-    Parameters
-    ----------
-    walker : Walker
-    position : ndarray, shape (n,)
-        rad or m.
-    part : float
-        Of the joints' speed limits that is used.
+    - ``position``: rad or m, shape (n,).
+    - ``part``: of the joints' speed limits that is used.
     """
     robot = walker.robot
     needed = _PEAK * np.abs(robot.home - position) / (part * robot.velocity)

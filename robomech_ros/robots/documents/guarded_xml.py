@@ -76,22 +76,13 @@ class _Builder:
 def parse_xml(text: str | bytes, where: str) -> XmlElement:
     """Parse a document.
 
-    Parameters
-    ----------
-    text : str or bytes
-        The document; of bytes the encoding is detected.
-    where : str
-        What it is called in messages.
+    - ``text``: the document; of bytes the encoding is detected.
+    - ``where``: what it is called in messages.
 
-    Returns
-    -------
-    XmlElement
-        The root.
+    Returns the root.
 
-    Raises
-    ------
-    RobotDescriptionError
-        Too large, too deep, not well-formed, or with a document type declaration.
+    Raises RobotDescriptionError: too large, too deep, not well-formed, or with a document type
+    declaration.
     """
     if len(text) > LARGEST_XML:
         raise RobotDescriptionError(where, f"{len(text)} bytes, at most {LARGEST_XML} are allowed")
@@ -175,11 +166,6 @@ def is_xml(text: str) -> bool:
 
 
 def text_of_xml(document: str | bytes) -> str:
-    """Return a document that :func:`parse_xml` accepts as text, declared to be UTF-8.
-
-    Parameters
-    ----------
-    document : str or bytes
-    """
+    """Return a document that :func:`parse_xml` accepts as text, declared to be UTF-8."""
     body = _DECLARATION.sub("", _well_formed(document), count=1)
     return f'<?xml version="1.0" encoding="utf-8"?>\n{body}'

@@ -101,19 +101,12 @@ for _tag, _pattern, _first in (
 def parse_yaml(text: str | bytes, where: str, largest: int = LARGEST_YAML) -> dict[str, Any]:
     """Parse a document whose top level is a mapping.
 
-    Parameters
-    ----------
-    text : str or bytes
-        The document.
-    where : str
-        What it is called in messages.
-    largest : int, optional
-        Most bytes that are read.
+    - ``text``: the document.
+    - ``where``: what it is called in messages.
+    - ``largest``: most bytes that are read.
 
-    Raises
-    ------
-    RobotDescriptionError
-        Too large, not YAML, not a mapping, or with something that is not plain data.
+    Raises RobotDescriptionError: too large, not YAML, not a mapping, or with something that is not
+    plain data.
     """
     if len(text) > largest:
         raise RobotDescriptionError(where, f"{len(text)} bytes, at most {largest} are allowed")

@@ -34,10 +34,7 @@ def _plain(text: str) -> str:
 def finite_number(text: str) -> float:
     """Read a number that is neither infinite nor NaN.
 
-    Raises
-    ------
-    ValueError
-        The text is none.
+    Raises ValueError: the text is none.
     """
     value = number(text)
     if not math.isfinite(value):

@@ -40,19 +40,12 @@ def document_source(
 ) -> tuple[str | bytes, str]:
     """Return the text of a YAML document, and what it is called in messages.
 
-    Parameters
-    ----------
-    given : object
-        A name, the path of a file, or the text.
-    files : callable
-        Gives the file of each name.
-    largest : int
-        Bytes that a file may have.
+    - ``given``: a name, the path of a file, or the text.
+    - ``files``: gives the file of each name.
+    - ``largest``: bytes that a file may have.
 
-    Raises
-    ------
-    BadValueError, UnknownRobotError, RobotDescriptionError
-        None of these, a name that is not known, or a file that cannot be read.
+    Raises BadValueError, UnknownRobotError, RobotDescriptionError: None of these, a name that is
+    not known, or a file that cannot be read.
     """
     if isinstance(given, os.PathLike):
         path = Path(given)

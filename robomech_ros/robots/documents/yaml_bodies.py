@@ -14,12 +14,8 @@ def body_from_yaml(value: object, where: str) -> Body:
     The products of inertia are 0 where they are left out.  Whether a body can have these numbers
     is asked where they are used (:meth:`Body.fault`).
 
-    Parameters
-    ----------
-    value : object
-        From the document; kg, m and kg m^2, the inertia about the centre of mass.
-    where : str
-        What the place is called in messages.
+    - ``value``: from the document; kg, m and kg m^2, the inertia about the centre of mass.
+    - ``where``: what the place is called in messages.
     """
     body = check_keys(value, where, ("mass", "com", "inertia"), ("as_measured",))
     moments = check_keys(

@@ -170,13 +170,8 @@ class States:
 def read_states(root: XmlElement, names: SrdfNames, groups: dict[str, Group]) -> States:
     """Read all states; those without a name or of no group are noted and left out.
 
-    Parameters
-    ----------
-    root : XmlElement
-        Of the document.
-    names : SrdfNames
-        Gets the notes.
-    groups : dict of str to Group
+    - ``root``: of the document.
+    - ``names``: gets the notes.
     """
     states = States({name: {} for name in groups})
     mobile_robots = {
@@ -210,21 +205,13 @@ def read_states(root: XmlElement, names: SrdfNames, groups: dict[str, Group]) ->
 
 
 class _State:
-    """Reads one state.
-
-    Attributes
-    ----------
-    why : str
-        Why the robot cannot go there; empty if it can.
-    notes : list of str
-        What else a user should know.
-    """
+    """Reads one state."""
 
     def __init__(
         self, element: XmlElement, names: SrdfNames, mobile_robots: frozenset[str]
     ) -> None:
-        self.why = ""
-        self.notes: list[str] = []
+        self.why = ""  #: Why the robot cannot go there; empty if it can.
+        self.notes: list[str] = []  #: What else a user should know.
         self._element = element
         self._names = names
         self._movers = mobile_robots

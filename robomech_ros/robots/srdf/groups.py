@@ -14,18 +14,10 @@ _MOST_MEMBERS = 1_000_000
 def read_groups(root: XmlElement, names: SrdfNames) -> tuple[dict[str, Group], dict[str, str]]:
     """Read all groups; members that there are not are noted and passed over, as in MoveIt.
 
-    Parameters
-    ----------
-    root : XmlElement
-        Of the document.
-    names : SrdfNames
-        Gets the notes.
+    - ``root``: of the document.
+    - ``names``: gets the notes.
 
-    Returns
-    -------
-    groups : dict of str to Group
-    left_out : dict of str to str
-        Why a group is none: it has no member that there is.
+    Returns the groups, and why a group is none by its name: it has no member that there is.
     """
     elements: dict[str, XmlElement] = {}
     for element in root.all("group"):

@@ -18,37 +18,22 @@ _MOST_NOTES = 200
 class SrdfNames:
     """Joints and links that a document may name.
 
-    Parameters
-    ----------
-    root : XmlElement
-        Of the document.
-    where : str
-        What the document is called in messages.
-    robot : RobotDescription
-
-    Attributes
-    ----------
-    joints : dict of str to Joint
-        Those of the robot.
-    all_joints : dict of str to None
-        The same and the virtual joints of the document, in the order in which messages list them.
-    to_parent : dict of str to Joint
-        The joint above each link but the root.
-    links : dict of str to None
-        Those of the robot.
-    notes : list of str
-        What a user should know and is no error.
+    - ``root``: of the document.
+    - ``where``: what the document is called in messages.
     """
 
     def __init__(self, root: XmlElement, where: str, robot: RobotDescription) -> None:
         self.where = where
         self.robot = robot
-        self.joints = {joint.name: joint for joint in robot.joints}
+        self.joints = {joint.name: joint for joint in robot.joints}  #: Those of the robot.
+        #: The joint above each link but the root.
         self.to_parent = {joint.child: joint for joint in robot.joints}
         virtual = [one.attributes.get("name", "") for one in root.all("virtual_joint")]
+        #: The same and the virtual joints of the document, in the order in which messages list
+        #: them.
         self.all_joints = dict.fromkeys([*self.joints, *virtual])
-        self.links = dict.fromkeys(robot.links)
-        self.notes: list[str] = []
+        self.links = dict.fromkeys(robot.links)  #: Those of the robot.
+        self.notes: list[str] = []  #: What a user should know and is no error.
 
     def place(self, element: XmlElement) -> str:
         """Say where an element is."""

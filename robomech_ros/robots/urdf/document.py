@@ -32,14 +32,9 @@ def link_bodies(links: Iterable[XmlElement], where: str, notes: list[str]) -> di
     Whether a body can have these numbers is asked where they are used (:meth:`Body.fault`), so
     that kinematics goes on without.
 
-    Parameters
-    ----------
-    links : iterable of XmlElement
-        Named.
-    where : str
-        What the document is called in messages.
-    notes : list of str
-        Gets what is given more than once.
+    - ``links``: named.
+    - ``where``: what the document is called in messages.
+    - ``notes``: gets what is given more than once.
     """
     bodies = {}
     for link in links:
@@ -85,18 +80,11 @@ def description_from_urdf(text: str | bytes, where: str = "URDF") -> RobotDescri
     A joint with a wrong axis, limit, drive or leader is kept, as others read the rest of the
     document, too: only chains with this joint are refused.  The ``notes`` of the result name it.
 
-    Parameters
-    ----------
-    text : str or bytes
-        The document, xacro expanded.
-    where : str, optional
-        What it is called in messages.
+    - ``text``: the document, xacro expanded.
+    - ``where``: what it is called in messages.
 
-    Raises
-    ------
-    RobotDescriptionError
-        The document is broken, hostile or breaks a rule of URDF: line, element and reason are
-        named.
+    Raises RobotDescriptionError: the document is broken, hostile or breaks a rule of URDF: line,
+    element and reason are named.
     """
     root = parse_urdf(text, where)
     _check_root(root, where)

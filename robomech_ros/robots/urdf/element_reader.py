@@ -32,12 +32,8 @@ def _bare(element: XmlElement, key: str) -> None:
 class ElementReader:
     """Checks what is in one joint or link.
 
-    Parameters
-    ----------
-    element : XmlElement
-        It has a name.
-    where : str
-        What the document is called in messages.
+    - ``element``: it has a name.
+    - ``where``: what the document is called in messages.
     """
 
     def __init__(self, element: XmlElement, where: str) -> None:

@@ -29,14 +29,9 @@ _LIMIT_KEYS = ("lower", "upper", "velocity", "effort", "acceleration", "jerk")
 def read_joint(element: XmlElement, where: str, notes: list[str]) -> Joint:
     """Read a joint; one that cannot move as it is described gets its fault.
 
-    Parameters
-    ----------
-    element : XmlElement
-        Named.
-    where : str
-        What the document is called in messages.
-    notes : list of str
-        Gets what is no limit although it is given.
+    - ``element``: named.
+    - ``where``: what the document is called in messages.
+    - ``notes``: gets what is no limit although it is given.
     """
     reader = ElementReader(element, where)
     kind = element.attributes.get("type", "")

@@ -21,20 +21,12 @@ class MeshError(RobomechError):
 def mesh_file(filename: str, folder: Path | None, *, anywhere: bool = False) -> Path:
     """Find the file that a URDF names.
 
-    Parameters
-    ----------
-    filename : str
-        ``package://name/...``, ``file:///...`` or a path.
-    folder : Path or None
-        That of the URDF, where it came from a file.
-    anywhere : bool
-        Whether ``file://`` may lead out of the packages and that folder: not for what a browser
-        gets to see.
+    - ``filename``: ``package://name/...``, ``file:///...`` or a path.
+    - ``folder``: that of the URDF, where it came from a file.
+    - ``anywhere``: whether ``file://`` may lead out of the packages and that folder: not for what a
+      browser gets to see.
 
-    Raises
-    ------
-    MeshError
-        There is none, or the name leads out of its package and the URDF's folder.
+    Raises MeshError: there is none, or the name leads out of its package and the URDF's folder.
     """
     if not filename or "\0" in filename:
         raise MeshError(filename, "has no name")

@@ -12,12 +12,8 @@ _FILENAME = re.compile(rb"(\sfilename\s*=\s*)(\"[^\"]*\"|'[^']*')")
 def with_mesh_urls(text: str, folder: Path) -> str:
     """Return a URDF in which paths of mesh files are URLs, file:///...; other URLs stay.
 
-    Parameters
-    ----------
-    text : str
-        The document.
-    folder : Path
-        Where its relative paths begin.  A path at which there is no file stays, too.
+    - ``text``: the document.
+    - ``folder``: where its relative paths begin. A path at which there is no file stays, too.
     """
     data = text.encode()
     parts, at = list[bytes](), 0

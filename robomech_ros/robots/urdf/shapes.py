@@ -64,19 +64,11 @@ def generated_shapes(
 ) -> dict[str, list[Shape]]:
     """Make shapes for the rigid parts in which no link has geometry.
 
-    Parameters
-    ----------
-    root : str
-        The link that is no joint's child.
-    joints : sequence of Joint
-        A tree; the child link's frame is that of the joint (``after`` is the identity).
-    with_geometry : collection of str
-        Links that are seen already.
+    - ``root``: the link that is no joint's child.
+    - ``joints``: a tree; the child link's frame is that of the joint (``after`` is the identity).
+    - ``with_geometry``: links that are seen already.
 
-    Returns
-    -------
-    dict
-        Shapes in the frame of a link, by its name; a part always gets at least one.
+    Returns shapes in the frame of a link, by its name; a part always gets at least one.
     """
     children: dict[str, list[Joint]] = {}
     for joint in joints:

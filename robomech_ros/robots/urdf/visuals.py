@@ -19,39 +19,23 @@ _WITH_CAPSULES = {**_MEASURES, "capsule": {"radius": 1, "length": 1}}
 
 @dataclass(frozen=True, eq=False)
 class Visual:
-    """One visual or collision body of a link.
-
-    Parameters
-    ----------
-    link : str
-    pose : ndarray, shape (4, 4)
-        In the link (m).
-    kind : {"box", "cylinder", "sphere", "mesh"}, or "capsule" of a collision body
-    measures : tuple of float
-        Sizes of a box; radius and length; radius; of a mesh its scale along x, y and z (m).
-    filename : str
-        Of a mesh, as written.
-    colour : tuple of four float, or None
-        Red, green, blue and alpha from 0 to 1, where the document gives them.
-    """
+    """One visual or collision body of a link."""
 
     link: str
-    pose: Array
-    kind: str
+    pose: Array  #: In the link (m), shape (4, 4).
+    kind: str  #: one of "box", "cylinder", "sphere", "mesh", or "capsule" of a collision body.
+    #: Sizes of a box; radius and length; radius; of a mesh its scale along x, y and z (m).
     measures: tuple[float, ...]
-    filename: str = ""
+    filename: str = ""  #: Of a mesh, as written.
+    #: Red, green, blue and alpha from 0 to 1, where the document gives them.
     colour: Colour | None = None
 
 
 def read_visuals(text: str, where: str = "URDF") -> list[Visual]:
     """Read the visual bodies of a URDF, those without a shape that is known left out.
 
-    Parameters
-    ----------
-    text : str
-        A document that :func:`description_from_urdf` accepts.
-    where : str, optional
-        What it is called in messages.
+    - ``text``: a document that :func:`description_from_urdf` accepts.
+    - ``where``: what it is called in messages.
     """
     root = parse_urdf(text, where)
     links = root.all("link")

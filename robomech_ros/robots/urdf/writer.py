@@ -72,11 +72,8 @@ def written_urdf(
 ) -> str:
     """Write a URDF anew.
 
-    Parameters
-    ----------
-    given : mapping, optional
-        Shapes of links in their frames, for parts that are to look otherwise than those made for
-        any robot.
+    - ``given``: shapes of links in their frames, for parts that are to look otherwise than those
+      made for any robot.
     """
     joints = list(_with_axes_in_links(description))
     shapes = {**generated_shapes(description.root, joints, given or ()), **(given or {})}

@@ -15,12 +15,7 @@ class GripperMessages:
     Position and effort are those of the first joint that is commanded; the effort is positive,
     whatever way it presses.
 
-    Attributes
-    ----------
-    type_name : str
-        Name of the action in control_msgs.
-    kind : type
-        The action.
+    - ``type_name``: name of the action in control_msgs.
     """
 
     type_name = "GripperCommand"

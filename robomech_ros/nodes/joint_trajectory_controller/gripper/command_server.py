@@ -26,14 +26,8 @@ class CommandServer(ActionBase[FingerMotion]):
     Results have no place for a reason: a goal that cannot be executed is rejected, and the log and
     /diagnostics say why.
 
-    Parameters
-    ----------
-    node : Node
-    gripper : Gripper
-    place : str
-        Name below which the action is.
-    messages : GripperMessages
-        Those of the action.
+    - ``place``: name below which the action is.
+    - ``messages``: those of the action.
     """
 
     _what = "gripper command"

@@ -38,10 +38,7 @@ def gripper_of(
 ) -> "Gripper | None":
     """Make the gripper behind the chain of a robot; None where it has none.
 
-    Raises
-    ------
-    ParameterError
-        Parameters do not fit the robot.
+    Raises ParameterError: parameters do not fit the robot.
     """
     _check_places(settings)
     joints = known_finger_joints(model, settings)
@@ -51,31 +48,11 @@ def gripper_of(
 class Gripper(CommandedJoints):
     """Finger joints, which something between them may stop.
 
-    Parameters
-    ----------
-    model : RobotModel
-    joints : sequence of Joint
-        The n finger joints.
-    settings : ControllerSettings
-    clock : MotionClock
-    lock : RLock
-        That of the arm.
+    - ``joints``: the n finger joints.
+    - ``lock``: that of the arm.
+    - ``allow_stalling``: whether a command succeeds where something stops the fingers.
 
-    Attributes
-    ----------
-    reader : CommandReader
-        Checks commands.
-    fingers : Fingers
-        Follow them; the lock is to be held while they are used.
-    commanded : tuple of str
-        The joints that a command moves which names none; empty where it has to name one.
-    allow_stalling : bool
-        Whether a command succeeds where something stops the fingers.
-
-    Raises
-    ------
-    ParameterError
-        Parameters do not fit the robot.
+    Raises ParameterError: parameters do not fit the robot.
     """
 
     def __init__(
@@ -103,9 +80,12 @@ class Gripper(CommandedJoints):
             settings.gripper_stall_velocity_threshold,
             settings.gripper_stall_timeout,
         )
+        #: Follow them; the lock is to be held while they are used.
         self.fingers = Fingers(self.follower, self._plant, complete, grip)
+        #: The joints that a command moves which names none; empty where it has to name one.
         self.commanded = _commanded(joints, settings.gripper_joint)
         fastest = np.minimum(complete.velocity, settings.gripper_max_velocity or np.inf)
+        #: Checks commands.
         self.reader = CommandReader(limits, self.commanded, fastest, strongest, self._posture)
         self.change(settings)
 

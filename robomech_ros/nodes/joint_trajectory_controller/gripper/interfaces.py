@@ -17,25 +17,14 @@ def serve_gripper(
 ) -> list[ActionBase]:
     """Offer the topic joint_trajectory, and the actions where control_msgs is installed.
 
-    Parameters
-    ----------
-    node : Node
-        Gets them, below names of their own.
-    gripper : Gripper
-    settings : ControllerSettings
-        The names.
-    on_refused : callable
-        Called when a trajectory of the topic was refused, whose sender gets no answer.
+    - ``node``: gets them, below names of their own.
+    - ``settings``: the names.
+    - ``on_refused``: called when a trajectory of the topic was refused, whose sender gets no
+      answer.
 
-    Returns
-    -------
-    list of ActionBase
-        The servers of the actions.
+    Returns the servers of the actions.
 
-    Raises
-    ------
-    ParameterError
-        The gripper has the name of the node.
+    Raises ParameterError: the gripper has the name of the node.
     """
     parallel, own = settings.parallel_gripper_controller, node.resolve_topic_name("~/gripper_cmd")
     if node.resolve_topic_name(f"{gripper.place}/gripper_cmd") == own:
