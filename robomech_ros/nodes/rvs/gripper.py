@@ -21,18 +21,7 @@ if TYPE_CHECKING:
 class GripperClient:
     """Commands the gripper; methods may be called from any thread.
 
-    Parameters
-    ----------
-    node : Node
-    model : RobotModel
-    settings : RvsSettings
-    view : LiveLayer
-        Shows what came of it.
-
-    Attributes
-    ----------
-    gripper : GripperModel or None
-        None if the robot has none, or control_msgs is not installed.
+    - ``view``: shows what came of it.
     """
 
     def __init__(
@@ -44,6 +33,7 @@ class GripperClient:
         self._number = 0
         self._handle: Any = None
         self._name = f"{settings.gripper_controller}/gripper_cmd"
+        #: None if the robot has none, or control_msgs is not installed.
         self.gripper = None if model.mechanism is not None else known_gripper(model, settings)
         self.moves = False
         if self.gripper is None:

@@ -19,15 +19,10 @@ class JogThread(ABC, Generic[Held]):
 
     What ends a press, and in how much time, is in :mod:`robomech_ros.rvs.model.jog`.
 
-    Parameters
-    ----------
-    node : Node
-    silence : float
-        After so long (s) without a word of the page nothing is held.
-    period : float
-        How often it commands (s).
-    complain : callable
-        Told why a jog ends that is held, or does not begin; an empty text when one begins.
+    - ``silence``: after so long (s) without a word of the page nothing is held.
+    - ``period``: how often it commands (s).
+    - ``complain``: told why a jog ends that is held, or does not begin; an empty text when one
+      begins.
     """
 
     def __init__(

@@ -31,15 +31,9 @@ class _Jog(NamedTuple):
 class Jogger(JogThread[_Jog]):
     """Sends commands to the servo from a thread of its own, which nothing else delays.
 
-    Parameters
-    ----------
-    node : Node
-    model : RobotModel
-    settings : RvsSettings
-    servo_is_silent : callable
-        Says whether the servo, which was heard of before, says nothing any more.
-    complain : callable
-        Told why a jog ends that is held, or does not begin; an empty text when one begins.
+    - ``servo_is_silent``: says whether the servo, which was heard of before, says nothing any more.
+    - ``complain``: told why a jog ends that is held, or does not begin; an empty text when one
+      begins.
     """
 
     def __init__(

@@ -46,18 +46,10 @@ def motion_from_trajectory(
 ) -> Motion:
     """Read a planned trajectory.
 
-    Parameters
-    ----------
-    model : RobotModel
-    trajectory : JointTrajectory
-    start : mapping of str to float
-        Known joints of the robot (rad or m), from which those of a parallel one follow its
-        drives; the others begin at home.
+    - ``start``: known joints of the robot (rad or m), from which those of a parallel one follow its
+      drives; the others begin at home.
 
-    Raises
-    ------
-    RobomechError
-        It is no trajectory of these joints.
+    Raises RobomechError: it is no trajectory of these joints.
     """
     given = read_waypoints(
         received_trajectory(trajectory), model.commanded.joint_names, _MOST_POINTS, _LONGEST
@@ -86,13 +78,8 @@ def joint_jog(
 ) -> JointState:
     """Make the command that moves one joint.
 
-    Parameters
-    ----------
-    chain : SerialChain
-    direction : JogDirection
-        Of a joint.
-    turning, sliding : float
-        Speeds (rad/s, m/s).
+    - ``direction``: of a joint.
+    - ``turning``, ``sliding``: speeds (rad/s, m/s).
     """
     speed = direction.sign * (sliding if chain.types[direction.index] == PRISMATIC else turning)
     return JointState(name=[chain.joint_names[direction.index]], velocity=[speed])
@@ -101,13 +88,8 @@ def joint_jog(
 def twist_jog(frame: str, direction: JogDirection, linear: float, angular: float) -> TwistStamped:
     """Make the command that moves the tip along or about an axis of a frame.
 
-    Parameters
-    ----------
-    frame : str
-    direction : JogDirection
-        Of the tip.
-    linear, angular : float
-        Speeds (m/s, rad/s).
+    - ``direction``: of the tip.
+    - ``linear``, ``angular``: speeds (m/s, rad/s).
     """
     message = TwistStamped(header=Header(frame_id=frame))
     speed = linear if direction.kind == "linear" else angular
@@ -119,13 +101,9 @@ def twist_jog(frame: str, direction: JogDirection, linear: float, angular: float
 def read_marker(model: RobotModel, marker: Marker) -> ViewMarker:
     """Read a marker that is to be drawn.
 
-    Raises
-    ------
-    BadValueError
-        It is of a kind that is not drawn, in a frame that is none of the robot's, or farther away
-        or larger than 1e6 m.
-    BadQuaternionError, NonFiniteError
-        A number of it is NaN or infinite, or its orientation is none.
+    Raises BadValueError: it is of a kind that is not drawn, in a frame that is none of the robot's,
+    or farther away or larger than 1e6 m. BadQuaternionError, NonFiniteError: a number of it is NaN
+    or infinite, or its orientation is none.
     """
     kind = _KINDS.get(marker.type)
     if kind is None:

@@ -35,16 +35,9 @@ _PARAMETER_TIMEOUT, _PLANNING_TIMEOUT, _MOTION_TIMEOUT = 5.0, 120.0, float("inf"
 class Motions:
     """Calls the services of planner, publisher and controller; answers go to the view.
 
-    Parameters
-    ----------
-    node : Node
-    names : sequence of str
-        The joints that move.
-    settings : RvsSettings
-        Whom to call.
-    view : LiveLayer
-    show_plan : callable
-        Shows a planned trajectory.
+    - ``names``: the joints that move.
+    - ``settings``: whom to call.
+    - ``show_plan``: shows a planned trajectory.
     """
 
     def __init__(

@@ -27,19 +27,8 @@ DEPTH = 10
 class PollThread(ABC):
     """A thread that looks again and again, as long as somebody watches a view.
 
-    Parameters
-    ----------
-    node : Node
-    settings : RvsSettings
-    view : LivePage
-        Says by ``wait_for_viewer`` whether somebody looks.
-    joints : sequence of str
-        Those that say where the robot is.
-
-    Attributes
-    ----------
-    condition : str
-        What is wrong with what the robot says; empty for nothing, or if nobody looks.
+    - ``view``: says by ``wait_for_viewer`` whether somebody looks.
+    - ``joints``: those that say where the robot is.
     """
 
     def __init__(
@@ -47,6 +36,7 @@ class PollThread(ABC):
     ) -> None:
         self._page, self._settings, self._joints = view, settings, joints
         self._period, self._log = 1.0 / settings.rate, ThrottledLog(node.get_logger())
+        #: What is wrong with what the robot says; empty for nothing, or if nobody looks.
         self.condition = ""
         self._monitor = JointStateMonitor(node)
         self._topic = node.resolve_topic_name("joint_states")

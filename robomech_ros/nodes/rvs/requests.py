@@ -22,12 +22,7 @@ class _Request:
 
 
 class Requests:
-    """Sends requests from any thread, and gives up those that nobody answers.
-
-    Parameters
-    ----------
-    node : Node
-    """
+    """Sends requests from any thread, and gives up those that nobody answers."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -48,17 +43,10 @@ class Requests:
     ) -> None:
         """Send a request; one of two callables is called afterwards, on the thread of the node.
 
-        Parameters
-        ----------
-        client : Client
-            Of a service that is there.
-        request : message
-        take : callable
-            Called with the answer.
-        give_up : callable
-            Called with the reason in words, if no answer comes.
-        patience : float
-            How long the answer may take (s).
+        - ``client``: of a service that is there.
+        - ``take``: called with the answer.
+        - ``give_up``: called with the reason in words, if no answer comes.
+        - ``patience``: how long the answer may take (s).
         """
         future = client.call_async(request)
         one = _Request(client, future, time.monotonic() + patience, give_up)

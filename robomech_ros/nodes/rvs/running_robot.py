@@ -35,14 +35,7 @@ _PLANS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class RunningRobot(JoggedRobot):
-    """Carries out the requests of a page, see ``LiveRobot``, and reports to it.
-
-    Parameters
-    ----------
-    node : Node
-    model : RobotModel
-    settings : RvsSettings
-    """
+    """Carries out the requests of a page, see ``LiveRobot``, and reports to it."""
 
     _feed: StateFeed
     _jogger: Jogger

@@ -26,20 +26,7 @@ _SERVO_TIMEOUT = 3.0
 
 
 class StateFeed(PollThread):
-    """Reads joint states and the servo's status by hand, from a thread of its own.
-
-    Parameters
-    ----------
-    node : Node
-    model : RobotModel
-    settings : RvsSettings
-    view : LiveLayer
-
-    Attributes
-    ----------
-    positions : dict of str to float
-        Latest known joints (rad or m), while somebody looks.
-    """
+    """Reads joint states and the servo's status by hand, from a thread of its own."""
 
     def __init__(
         self, node: Node, model: RobotModel, settings: RvsSettings, view: LiveLayer
@@ -49,6 +36,7 @@ class StateFeed(PollThread):
         super().__init__(node, settings, view, moved.joint_names)
         self._view, self._all_joints = view, model.joint_names
         self._inbox = Inbox(node, ServoStatus, status_topic(node, settings.servo), DEPTH)
+        #: Latest known joints (rad or m), while somebody looks.
         self.positions: dict[str, float] = {}
         self._servo: ServoNews | None = None
         self._servo_at = -math.inf

@@ -27,14 +27,9 @@ _LATE_AFTER, _PATIENCE = 2.0, 60.0
 class StopClient:
     """Calls the services that stop the robot, from any thread.
 
-    Parameters
-    ----------
-    requests : Requests
-        Sends.
-    cancel, hold : Client
-        Of the services (std_srvs/Trigger) of publisher and controller.
-    view : LiveLayer
-        Shows what came of it.
+    - ``requests``: sends.
+    - ``cancel``, ``hold``: of the services (std_srvs/Trigger) of publisher and controller.
+    - ``view``: shows what came of it.
     """
 
     def __init__(self, requests: Requests, cancel: Client, hold: Client, view: LiveLayer) -> None:

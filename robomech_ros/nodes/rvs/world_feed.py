@@ -23,12 +23,7 @@ _TOPIC = "collision_object"
 class WorldFeed:
     """Shows the planning scene on a page, and publishes the objects moved there.
 
-    Parameters
-    ----------
-    node : Node
-    model : RobotModel
-    view : WorldLayer
-        Shows the scene.
+    - ``view``: shows the scene.
     """
 
     def __init__(self, node: Node, model: RobotModel, view: WorldLayer) -> None:

@@ -34,15 +34,7 @@ _BOUND = 0.01
 
 
 class MobileRobotFeed(PollThread):
-    """Reads odometry, joint states, contacts and diagnostics, from a thread of its own.
-
-    Parameters
-    ----------
-    node : Node
-    mobile_robot : MobileRobot
-    settings : RvsSettings
-    view : LiveMobileRobotLayer
-    """
+    """Reads odometry, joint states, contacts and diagnostics, from a thread of its own."""
 
     def __init__(
         self,

@@ -22,29 +22,18 @@ _BASE_PERIOD, _WALKER_PERIOD = 0.005, 0.02
 class MobileRobot:
     """A robot over the ground, and how it is heard and commanded.
 
-    Parameters
-    ----------
-    name : str
-        Of the robot.
-    followed : ObservedRobot
-    node : str
-        Name of its node, which says on /diagnostics what limits it.
-    command, odometry : str
-        Topics, of stamped twists and of odometry.
-    period : float
-        How often twists are sent while a button is held (s): some drives follow each of them for
-        one of their periods alone.
-    legged : LeggedRobot, optional
-        If it walks.
+    - ``command``, ``odometry``: topics, of stamped twists and of odometry.
     """
 
-    name: str
+    name: str  #: Of the robot.
     followed: ObservedRobot
-    node: str
+    node: str  #: Name of its node, which says on /diagnostics what limits it.
     command: str
     odometry: str
+    #: How often twists are sent while a button is held (s): some drives follow each of them for one
+    #: of their periods alone.
     period: float
-    legged: LeggedRobot | None = None
+    legged: LeggedRobot | None = None  #: If it walks.
 
 
 def _rolling(settings: RvsSettings) -> MobileRobot:

@@ -30,13 +30,7 @@ _Jog = tuple[JogDirection, float]
 class TwistJogger(JogThread[_Jog]):
     """Commands a robot over the ground by twists while a button is held.
 
-    Parameters
-    ----------
-    node : Node
-    mobile_robot : MobileRobot
-    settings : RvsSettings
-    complain : callable
-        As for ``JogThread``.
+    - ``complain``: as for ``JogThread``.
     """
 
     def __init__(
@@ -69,14 +63,7 @@ class TwistJogger(JogThread[_Jog]):
 
 
 class RunningMobileRobot(JoggedRobot):
-    """Carries out the requests of a page, see ``LiveMobileRobot``, and reports to it.
-
-    Parameters
-    ----------
-    node : Node
-    mobile_robot : MobileRobot
-    settings : RvsSettings
-    """
+    """Carries out the requests of a page, see ``LiveMobileRobot``, and reports to it."""
 
     _jogger: TwistJogger
 
