@@ -31,8 +31,6 @@ def plot_calibration(
 
     Parameters
     ----------
-    path : str or Path
-        The picture; its ending (png, svg, pdf) gives the format.
     counts : sequence of int
         Numbers of samples, m of them.
     errors : ndarray, shape (m, 6)
@@ -44,18 +42,6 @@ def plot_calibration(
         Of the samples at the end: rad and m.
     inlier : ndarray of bool, shape (n,)
         False for those that were left out.
-    title : str, optional
-        Above the picture.
-
-    Returns
-    -------
-    Path
-        Where the picture is.
-
-    Raises
-    ------
-    PlottingUnavailableError
-        matplotlib is not installed.
     """
     m = len(counts)
     if errors.shape != (m, 6) or covariances.shape != (m, 6, 6) or not m:

@@ -18,8 +18,6 @@ def plot_condition_loci(path: str | Path, loci: ConditionLoci, *, title: str | N
 
     Parameters
     ----------
-    path : str or Path
-        The picture; its ending (png, svg, pdf) gives the format.
     loci : ConditionLoci
     title : str, optional
         Title; default robot and part.
@@ -28,11 +26,6 @@ def plot_condition_loci(path: str | Path, loci: ConditionLoci, *, title: str | N
     -------
     Path
         The picture.
-
-    Raises
-    ------
-    PlottingUnavailableError
-        matplotlib is not installed.
     """
     figure = new_figure(_SIZE + 1.5, _SIZE)
     ax = figure.subplots()

@@ -28,26 +28,15 @@ def plot_paths(
 
     Parameters
     ----------
-    path : str or Path
-        The picture; its ending (png, svg, pdf) gives the format.
     names : sequence of str
         k ways.
     wanted : sequence of ndarray, shape (m, 2)
         Where each was to go: x, y (m).
     driven : sequence of ndarray, shape (n, 3)
         Where it went: x, y (m) and heading (rad), which lines show.
-    title : str, optional
-        Above the picture.
-
-    Returns
-    -------
-    Path
-        Where the picture is.
 
     Raises
     ------
-    PlottingUnavailableError
-        matplotlib is not installed.
     WrongSizeError
         Not as many ways as names, or one that has another shape.
     """

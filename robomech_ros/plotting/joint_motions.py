@@ -32,8 +32,6 @@ def plot_motion(
 
     Parameters
     ----------
-    path : str or Path
-        The picture; its ending (png, svg, pdf) gives the format.
     joint_names : sequence of str
         n joints, one curve each.
     times : ndarray, shape (m,)
@@ -41,8 +39,6 @@ def plot_motion(
     curves : sequence of ndarray, shape (m, n)
         Positions, velocities, accelerations, jerks (rad or m, and per s, s^2 and s^3); later ones
         may be left out.
-    title : str, optional
-        Above the picture.
     prismatic : sequence of bool, optional
         Which joints slide; they are marked in the legend.
     marks : sequence of (float, str), optional
@@ -51,15 +47,8 @@ def plot_motion(
         For each of the curves the least and the largest value allowed, shape (n,); drawn dashed in
         the colour of the joint where they are finite.
 
-    Returns
-    -------
-    Path
-        Where the picture is.
-
     Raises
     ------
-    PlottingUnavailableError
-        matplotlib is not installed.
     BadValueError, WrongSizeError
         No curve or more than four, or one or its limits whose shape does not fit.
     """

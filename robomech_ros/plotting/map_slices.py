@@ -37,8 +37,6 @@ def plot_map(
 
     Parameters
     ----------
-    path : str or Path
-        The picture; its ending (png, svg, pdf) gives the format.
     reach : ReachMap
         What is not computed yet stays white.
     quantity : {"dexterity", "solutions", "condition", "conditioning"}, optional
@@ -50,17 +48,10 @@ def plot_map(
     title : str, optional
         Above the picture; default robot and tip.
 
-    Returns
-    -------
-    Path
-        Where the picture is.
-
     Raises
     ------
     BadValueError
         An unknown quantity or axis, a place without an axis, or one that is outside the grid.
-    PlottingUnavailableError
-        matplotlib is not installed.
     """
     label = QUANTITIES[as_choice("quantity", quantity, tuple(QUANTITIES))]
     if at is not None and axis is None:

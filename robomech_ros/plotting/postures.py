@@ -75,27 +75,16 @@ def plot_postures(
 
     Parameters
     ----------
-    path : str or Path
-        The picture; its ending (png, svg, pdf) gives the format.
     chain : SerialChain
         Of n joints.
     q : array_like, shape (k, n)
         The postures (rad or m), 1 to 64 of them.
-    title : str, optional
-        Above the picture.
     azimuth, elevation : float, optional
         Where the eye is, seen from the base: the angle from its x axis about z, and above its
         xy plane (rad).
 
-    Returns
-    -------
-    Path
-        Where the picture is.
-
     Raises
     ------
-    PlottingUnavailableError
-        matplotlib is not installed.
     BadValueError, WrongSizeError
         No posture or too many, or values that do not fit the chain.
     """

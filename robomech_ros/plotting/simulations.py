@@ -19,26 +19,15 @@ def plot_simulation(
 
     Parameters
     ----------
-    path : str or Path
-        The picture; its ending (png, svg, pdf) gives the format.
     chain : SerialChain
         Of n joints; its limits are drawn dashed.
     run : Simulation
         Of this chain, at m times.
     torques : ndarray, shape (m, n)
         Of the drives (N m or N).
-    title : str, optional
-        Above the picture.
-
-    Returns
-    -------
-    Path
-        Where the picture is.
 
     Raises
     ------
-    PlottingUnavailableError
-        matplotlib is not installed.
     WrongSizeError
         Motion or torques are not those of n joints at m times.
     """

@@ -27,8 +27,6 @@ def plot_walk(
 
     Parameters
     ----------
-    path : str or Path
-        The picture; its ending (png, svg, pdf) gives the format.
     legs : sequence of str
         Their names.
     times : ndarray, shape (m,)
@@ -43,18 +41,6 @@ def plot_walk(
         That is kept by them (m).
     planned : ndarray, shape (p, 2)
         The way that was wanted (m).
-    title : str, optional
-        Above the picture.
-
-    Returns
-    -------
-    Path
-        Where the picture is.
-
-    Raises
-    ------
-    PlottingUnavailableError
-        matplotlib is not installed.
     """
     m = len(times)
     if way.shape != (m, 2) or margins.shape != (m,) or not m:

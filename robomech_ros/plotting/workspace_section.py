@@ -30,21 +30,7 @@ def plot_workspace(path: str | Path, space: Workspace, *, title: str = "") -> Pa
 
     Parameters
     ----------
-    path : str or Path
-        The picture; its ending (png, svg, pdf) gives the format.
     space : Workspace
-    title : str, optional
-        Above the picture.
-
-    Returns
-    -------
-    Path
-        Where the picture is.
-
-    Raises
-    ------
-    PlottingUnavailableError
-        matplotlib is not installed.
     """
     low, high = _corners(space)
     spans = high - low
