@@ -64,7 +64,6 @@ class TopicTrack:
     """The poses that a topic of geometry_msgs/PoseStamped gives.
 
     - ``parent``: frame that the poses have to be in; empty = that of the first.
-    - ``parent``: the same, empty while no pose has come.
     """
 
     def __init__(self, node: Node, topic: str, parent: str) -> None:

@@ -39,7 +39,7 @@ def move_gripper(wanted: str, namespace: str, controller: str, timeout: float) -
       known.
     - ``namespace``: of the robot's nodes.
     - ``controller``: name of the node whose parameters say which joints are the gripper.
-    - ``timeout``: s.
+    - ``timeout``: longest wait (s).
 
     Returns a text that says where the gripper is, and whether that is what was wanted.
 

@@ -77,8 +77,8 @@ class JointLimitsFile:
     """A file with joint limits."""
 
     where: str  #: Its path.
-    text: bytes  #: What is in it.
-    document: Mapping[str, Any]  #: The same, parsed.
+    text: bytes  #: The bytes of the file.
+    document: Mapping[str, Any]  #: The parsed content.
 
     def on(self, description: RobotDescription) -> RobotDescription:
         """Return a robot with these limits.

@@ -16,8 +16,8 @@ class Refusal(NamedTuple):
 
     number: int  #: How many were refused so far.
     code: int  #: One of `Code`; 0 where none was refused since the last that was accepted.
-    text: str  #: The reason; empty likewise.
-    label: str  #: That of the trajectory, by `trajectory_label`; empty likewise.
+    text: str  #: The reason; empty where none was refused.
+    label: str  #: That of the trajectory, by `trajectory_label`; else empty.
     #: A text that another start of the controller does not repeat; empty where it has none.
     run: str = ""
 

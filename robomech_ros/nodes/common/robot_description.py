@@ -97,7 +97,7 @@ class RobotModel:
     - ``semantic``: its groups and named postures; default none but ``home``.
     - ``robot``: the parallel robot whose tree the description is.
     - ``legged``: the walking machine whose tree it is.
-    - ``mechanism``: the loops of that.
+    - ``mechanism``: the loops of the parallel robot.
 
     Raises ParameterError: the prefix begins with a slash, which tf does not allow. BadValueError:
     ends or a group that a parallel robot or a walking machine does not have.

@@ -43,9 +43,9 @@ def when_robot_known(
       the topic.
     - ``supplemented``: gives the robot what its description lacks; only arms can be given
       something.
-    - ``completed``: the same, of what an arm lacks then; other robots are as they are.
+    - ``completed``: gives an arm what it lacks then; other robots are as they are.
     - ``parallel``: whether the node serves parallel robots, too; it refuses them otherwise.
-    - ``legged``: the same of walking machines.
+    - ``legged``: whether the node serves walking machines, too.
 
     Raises RobomechError: the parameter's robot is unknown or broken. What is wrong with a robot
     from the topic is logged, and the node goes on waiting for a better one.

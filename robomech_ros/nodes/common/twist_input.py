@@ -29,7 +29,7 @@ class TwistInput:
     - ``follow``: takes ``[omega, v_x, v_y]`` (rad/s, m/s) and the age of the command (s), or
       refuses it by a RobomechError.
     - ``refusal``: why the last command was not followed; empty if it was.
-    - ``refused``: how many were not.
+    - ``refused``: how many commands were not followed.
     """
 
     def __init__(

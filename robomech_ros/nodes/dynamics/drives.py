@@ -29,7 +29,7 @@ class Drives:
             self.linkage, self.home = model.mechanism, model.mechanism.home()
             self.system = ParallelDynamics(model.mechanism)
         self.names, self.joint_names = self.system.drive_names, self.system.joint_names
-        self.places = self.system.drives_at  #: Where the drives are among these, shape (m,).
+        self.places = self.system.drives_at  #: Drives among all joints, shape (m,).
         self._joints = joints
 
     def named(self, names: list[str]) -> tuple[str, ...]:

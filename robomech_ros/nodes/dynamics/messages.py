@@ -41,7 +41,7 @@ class Motions:
     """
 
     order: list[int]  #: Where each drive is among the names of the request.
-    width: int  #: How many names these are.
+    width: int  #: Number of names in the request.
     q: Array  #: Positions of all joints (rad or m), shape (k, n).
     qd: Array
     qdd: Array

@@ -48,7 +48,7 @@ def checked_drives(
     - ``mechanism``: of n joints and m drives.
     - ``received``: of the drives and, behind them, of passive joints; NaN for drives that are not
       named.
-    - ``passive``: these passive joints.
+    - ``passive``: names of these passive joints.
     - ``posture``: all joints now (rad or m), loops closed, shape (n,).
 
     Returns the part of the drives.

@@ -29,7 +29,7 @@ class PlatformSolutions:
     orientation_error: Array
     condition_number: Array
     limit_margin: Array
-    complete: bool  #: Whether these were provably all, before any cut.
+    complete: bool  #: Whether the postures are provably all, before any cut.
     status: Code
     reason: str
     #: The joint of each limb whose limits exclude the pose, of the limbs where they do.

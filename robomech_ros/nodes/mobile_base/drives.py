@@ -36,7 +36,7 @@ class Interface:
     odometry: str
     frames: str
     timeout_name: str  #: Parameter of the time-out.
-    timeout: float  #: Its default (s).
+    timeout: float  #: Default time-out (s).
     at_zero: str  #: What a time-out of 0 means: commands count ``for ever``, ``once`` or ``never``.
     mean: bool  #: Whether the published twist is a rolling mean.
     forget_at_stale: bool = False  #: Whether a stale command also ends the one before.

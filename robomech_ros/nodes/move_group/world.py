@@ -60,7 +60,8 @@ class World:
     objects: dict[str, SceneObject] = field(default_factory=dict)  #: Objects by name.
     #: Whether the two bodies of a pair may touch, for the pairs that a client has decided.
     allowed: dict[frozenset[str], bool] = field(default_factory=dict)
-    defaults: dict[str, bool] = field(default_factory=dict)  #: The same for all pairs of one body.
+    #: Whether a body may touch all others, for the bodies that a client has decided.
+    defaults: dict[str, bool] = field(default_factory=dict)
     colors: dict[str, Any] = field(default_factory=dict)  #: Colours of objects, as messages.
 
     def copy(self, empty: bool = False) -> "World":

@@ -42,7 +42,7 @@ class CartesianQuestion:
     velocity_scale: float
     acceleration_scale: float
     limited: SerialChain  #: To the link whose speed is limited.
-    speed: float  #: Its largest speed (m/s); infinite for any.
+    speed: float  #: Largest speed of that link (m/s); infinite for any.
 
     @property
     def start(self) -> Array:

@@ -60,13 +60,13 @@ class MotionRequest:
     """
 
     group: str
-    chain: SerialChain  #: Moves.
+    chain: SerialChain  #: The chain that moves.
     positions: Positions  #: Where all joints are that are known, rad or m.
     goals: tuple[MotionGoal, ...]  #: One of them is to be reached.
     velocity_scale: float
     acceleration_scale: float
     limited: SerialChain  #: To the link whose speed is limited.
-    speed: float  #: Its largest speed (m/s); infinite for any.
+    speed: float  #: Largest speed of that link (m/s); infinite for any.
     time: float  #: For planning (s).
     planner: str  #: Name of a planner; empty for the default.
 

@@ -44,7 +44,7 @@ class Step:
     """A move to a posture, or a wait."""
 
     posture: str = ""  #: Where to move; empty for a wait.
-    positions: tuple[float, ...] = ()  #: Its joint positions, rad or m.
+    positions: tuple[float, ...] = ()  #: Joint positions of the posture, rad or m.
     wait: float = 0.0  #: How long to wait, s.
     options: Mapping[str, Any] = field(default_factory=dict)  #: Of `point_to_point`.
 

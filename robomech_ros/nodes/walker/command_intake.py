@@ -28,7 +28,7 @@ class CommandIntake:
     - ``duration``: in which the trunk goes to a new pose (s).
     - ``commanded``: whether a twist has come with the last look.
     - ``refusal``: why the last pose or gait was not taken; empty if it was.
-    - ``refused``: how many were not.
+    - ``refused``: how many poses or gaits were not taken.
     """
 
     def __init__(self, node: Node, walker: Walker, clock: MotionClock, duration: float) -> None:

@@ -29,8 +29,7 @@ class SrdfNames:
         #: The joint above each link but the root.
         self.to_parent = {joint.child: joint for joint in robot.joints}
         virtual = [one.attributes.get("name", "") for one in root.all("virtual_joint")]
-        #: The same and the virtual joints of the document, in the order in which messages list
-        #: them.
+        #: All joints, the virtual ones of the document included, in the order of messages.
         self.all_joints = dict.fromkeys([*self.joints, *virtual])
         self.links = dict.fromkeys(robot.links)  #: Those of the robot.
         self.notes: list[str] = []  #: What a user should know and is no error.
