@@ -27,7 +27,6 @@ class Sampler:
 
     - ``node``: its clock, and others that are served meanwhile.
     - ``robot``, ``tracking``: the hand in the robot's base, and the target in the sensor's frame.
-    - ``settings``: gives the parameters as they are now.
     """
 
     def __init__(

@@ -46,7 +46,6 @@ class JointPositions:
 
     - ``model``: the robot; joints of it that are not in a chain may stand in a state and are passed
       over.
-    - ``monitor``: the present state.
     """
 
     def __init__(self, model: RobotModel, monitor: JointStateMonitor) -> None:

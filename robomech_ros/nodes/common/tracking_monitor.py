@@ -26,8 +26,6 @@ class Fault(NamedTuple):
 class TrackingMonitor:
     """Knows the joints of a robot that is to be driven.
 
-    - ``joints``: those of the robot.
-    - ``monitor``: hears their states.
     - ``tolerance``: how far a joint may be off its commands (rad or m); 0 = any distance.
     - ``delay``: how far they may lag behind these (s).
     """

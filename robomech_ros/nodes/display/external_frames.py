@@ -141,7 +141,6 @@ def _children(message: Any) -> set[str]:
 class UnclaimedFrames:
     """Has a publisher publish those frames of a robot that nobody else does, whoever comes or goes.
 
-    - ``node``: owner of the timer and the log, which says at every change who publishes what.
     - ``publisher``: of all frames.
     - ``robot``: name of the robot.
     - ``rate``: how often frames are due (Hz).

@@ -42,7 +42,6 @@ class FramePublisher:
     - ``moving``, ``fixed``: the frames of links that move in the one before them, and of those that
       do not.
     - ``topic``, ``fixed_topic``: full names of the topics.
-    - ``kind``: of the messages.
     """
 
     def __init__(self, node: Node, description: RobotDescription, prefix: str, message: Any):

@@ -28,7 +28,6 @@ class DescriptionPublisher:
 
     Two latched publishers would leave it to chance which robot a late subscriber gets.
 
-    - ``node``: owner of publisher, timer and log.
     - ``text``: the document.
     - ``topic``: where it is published.
     - ``what``: what it is, for the log.

@@ -80,7 +80,6 @@ def motions(points: Any, joint_names: Any, drives: Drives) -> Motions:
       is 0.
     - ``joint_names``: sequence of str; the order of the numbers: drives or all joints; empty = the
       drives in their order.
-    - ``drives``: of the robot.
 
     Raises UnknownJointError: with the point and the joint at fault. BadValueError, OutcomeError: as
     :meth:`Drives.postures`.

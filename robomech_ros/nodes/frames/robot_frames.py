@@ -72,9 +72,6 @@ class RobotFrames:
 
     Links of the robot come from its description and the joints; any other frame from tf, by the
     link that carries it or by the base.
-
-    - ``monitor``: its present state.
-    - ``settings``: gives the parameters as they are now.
     """
 
     def __init__(

@@ -23,7 +23,6 @@ def serve_control(
 ) -> tuple[list[ActionBase], Callable[[], None]]:
     """Serve the action follow_joint_trajectory, and topics and services of the controller's state.
 
-    - ``node``: gets them under its own name.
     - ``robot``: what executes.
 
     Returns the server of the action, in a list that is empty where control_msgs is not installed,

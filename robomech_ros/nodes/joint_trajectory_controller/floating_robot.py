@@ -32,8 +32,6 @@ _DEPTH = 10
 class FloatingArm(SimulatedRobot):
     """An arm whose base conserves the momentum of all bodies.
 
-    - ``robot``: chain of n joints.
-
     Raises ParameterError: the initial position does not fit the robot, or forces of drives are to
     be simulated.
     """

@@ -46,11 +46,7 @@ class _ReachableSpace(NamedTuple):
 
 
 class ChainManipulator:
-    """Kinematics of an arm.
-
-    - ``joints``: reads states.
-    - ``worker``: computes what takes long, while the node serves others.
-    """
+    """Kinematics of an arm."""
 
     def __init__(self, model: RobotModel, joints: JointPositions, worker: Worker) -> None:
         self._model, self._joints, self._worker = model, joints, worker

@@ -24,7 +24,6 @@ def solve_inertial(
 ) -> InverseKinematicsResult:
     """Find the posture at the end of the straight motion of the tip from the seed, from rest.
 
-    - ``robot``: chain of n joints.
     - ``T``: target in inertial space, in the base before the motion (m), shape (4, 4).
     - ``seed``: joint values (rad or m) before the motion, shape (n,).
     - ``scene``: for the check of the solution.

@@ -39,7 +39,6 @@ _PLANES, _EVERY = 8, 8
 class MarkerPublisher:
     """Publishes the posture last analysed and the boundary of the workspace on ``~/markers``.
 
-    - ``node``: owner of the publisher.
     - ``base``: frame of the base.
     - ``on_watched``: coroutine that runs when somebody subscribes.
     """

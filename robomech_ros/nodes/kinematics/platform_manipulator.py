@@ -32,11 +32,7 @@ from robomech_ros.typing import Array, BoolArray, IntArray
 
 
 class PlatformManipulator:
-    """Kinematics of a parallel robot of n joints and m drives.
-
-    - ``joints``: reads states.
-    - ``worker``: computes what takes long, while the node serves others.
-    """
+    """Kinematics of a parallel robot of n joints and m drives."""
 
     closed_form = False
 

@@ -36,7 +36,6 @@ class LivelinessMonitor:
 
     Of other servers, and of those in the same process, it knows nothing.
 
-    - ``node``: owner of the subscription.
     - ``action``: name of the action.
     - ``lease``: how long there may be no sign of life, s.
     - ``on_end``: called when a server has gone or shows no sign of life any more.

@@ -59,8 +59,6 @@ class Inbox:
     While somebody reads it repeatedly it is read by hand; otherwise the executor says when there is
     a message.
 
-    - ``node``: owner of the subscription.
-    - ``kind``: of the messages.
     - ``depth``: how many are kept, the latest.
     - ``wake``: called when a message has come while the executor looks after it, as it does at
       first. Without it, the executor never does.

@@ -22,8 +22,6 @@ def subscribe_reliably(
 ) -> Subscription:
     """Subscribe to messages that must not be lost; log who publishes them best effort.
 
-    - ``node``: owner of the subscription.
-    - ``kind``: of the messages.
     - ``callback``: takes the messages.
     - ``qos``: reliable; a depth alone is that.
     """

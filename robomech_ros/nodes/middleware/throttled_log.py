@@ -16,7 +16,6 @@ _NUMBER = re.compile(r"[-+]?\d[\d.e+-]*|nan|inf")
 class ThrottledLog:
     """Logs each kind of line at most once a second, with the count of the lines left out.
 
-    - ``logger``: of a node.
     - ``clock``: gives seconds; default the machine's monotonic time.
     """
 

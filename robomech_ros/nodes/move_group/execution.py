@@ -36,12 +36,7 @@ _CODES: dict[int, int] = {
 
 
 class Execution:
-    """Sends trajectories to the controller, and stops them.
-
-    - ``node``: owner of the client and of the topic trajectory_execution_event.
-    - ``scenes``: what the robot may touch.
-    - ``settings``: gives the parameters of the node.
-    """
+    """Sends trajectories to the controller, and stops them."""
 
     def __init__(
         self,

@@ -25,8 +25,6 @@ _MOVED = 1e-3
 class MonitoredScene:
     """Follows the topic ``monitored_planning_scene``, where its messages and coal are installed.
 
-    - ``monitor``: knows the present state of the robot.
-    - ``worker``: makes scenes, which takes a moment.
     - ``padding``: thickness that is added to every link (m).
     - ``changed``: called after each change.
     """

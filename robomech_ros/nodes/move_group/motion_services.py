@@ -25,8 +25,6 @@ class MotionServices:
 
     Every goal is accepted, and one that is refused is aborted with a text: a rejected goal would
     carry no reason to the client.
-
-    - ``node``: owner of service and actions.
     """
 
     def __init__(self, node: Node, planning: MotionPlanning, execution: Execution) -> None:

@@ -29,9 +29,6 @@ class PlannerServices:
     """The services query_planner_interface, get_planner_params and set_planner_params.
 
     All planners and groups have the same parameters: some of the node.
-
-    - ``node``: owner of services and parameters.
-    - ``settings``: gives the parameters of the node.
     """
 
     def __init__(self, node: Node, settings: Callable[[], MoveGroupSettings]) -> None:

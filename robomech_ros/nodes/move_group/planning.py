@@ -57,7 +57,6 @@ class MotionPlanning:
     """Plans the motions of all requests, one after the other, beside the executor.
 
     - ``node``: owner of the topic display_planned_path.
-    - ``settings``: gives the parameters of the node.
     """
 
     def __init__(

@@ -36,7 +36,6 @@ _STATE_PERIOD, _MOVED = 0.1, 1e-4
 class SceneServices:
     """Takes changes of the scene from clients, and publishes it.
 
-    - ``node``: owner of the services and topics.
     - ``scenes``: follow what clients do.
     """
 

@@ -19,7 +19,6 @@ from robomech_ros.robots import DisabledCollision, SerialChain
 class Scenes:
     """One scene for each chain that requests are about; all follow the world.
 
-    - ``worker``: makes the scenes of further chains, which takes a moment.
     - ``padding``: thickness that is added to every link (m).
     """
 

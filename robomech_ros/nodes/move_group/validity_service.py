@@ -25,9 +25,6 @@ class ValidityService:
     """The service check_state_validity.
 
     Its answer has no text: what is wrong with a request is in the log, and the state is not valid.
-
-    - ``node``: owner of the service.
-    - ``settings``: gives the parameters of the node.
     """
 
     def __init__(

@@ -48,13 +48,7 @@ _POSITION = (True, True, True, False, False, False)
 
 
 class CartesianPathService:
-    """The service compute_cartesian_path of one node.
-
-    - ``node``: gets the service under its own name.
-    - ``settings``: gives the parameters of the planner.
-    - ``worker``: plans, while the node serves others.
-    - ``collisions``: what the robot may touch.
-    """
+    """The service compute_cartesian_path of one node."""
 
     def __init__(
         self,

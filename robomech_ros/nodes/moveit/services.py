@@ -32,12 +32,7 @@ def _no_contact(positions: Positions) -> str:
 
 
 class MoveItServices:
-    """The services compute_ik and compute_fk of one node.
-
-    - ``node``: gets the services under its own name.
-    - ``settings``: gives the parameters of the node.
-    - ``collisions``: what the robot may touch.
-    """
+    """The services compute_ik and compute_fk of one node."""
 
     def __init__(
         self, node: Node, robot: WholeRobot, settings: Callable[[], Any], collisions: Collisions

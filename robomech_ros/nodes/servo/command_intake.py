@@ -25,7 +25,6 @@ class CommandIntake:
 
     - ``servo``: follows the commands.
     - ``reader``: makes them of messages.
-    - ``settings``: gives the parameters as they are now.
     - ``on_message``: called when a message comes while the executor attends to the topics.
     """
 

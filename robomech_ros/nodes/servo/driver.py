@@ -30,10 +30,7 @@ _STANDSTILL_PART = 0.01
 class Driver:
     """Makes one robot follow commands; idle it is woken by the next of them.
 
-    - ``node``: owner of timer, topics and publishers.
     - ``servo``: turns commands into a stream.
-    - ``monitor``: hears the robot's joint states.
-    - ``settings``: gives the parameters as they are now.
     """
 
     def __init__(

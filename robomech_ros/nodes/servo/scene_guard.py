@@ -19,7 +19,6 @@ class SceneGuard:
     """Follows the planning scene, and makes the guard of a servo from it.
 
     - ``monitor``: knows the positions of joints outside the chain, such as fingers.
-    - ``settings``: gives the parameters as they are now.
     """
 
     def __init__(

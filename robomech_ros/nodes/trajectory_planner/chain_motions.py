@@ -30,8 +30,6 @@ class ChainMotions:
     """Plans motions of a chain of n joints, all of which trajectories hold.
 
     `PlatformMotions` has the same methods.
-
-    - ``joints``: reads requests.
     """
 
     def __init__(self, chain: SerialChain, joints: JointPositions) -> None:

@@ -26,7 +26,6 @@ def plan_around(
 ) -> Any:
     """Return a plan if it is proved free of contact, else one around what is in the way.
 
-    - ``plan``: makes the plan.
     - ``points``: start, via points and goal (rad or m), shape (m, n).
     - ``options``: of `fitting_plan`.
 

@@ -30,7 +30,6 @@ class PlanPublication:
     than to fill it, and a message that is published has been copied.
 
     - ``node``: gets the topics ``planned_trajectory`` and ``planned_path`` under its own name.
-    - ``model``: whose motions they are.
     """
 
     def __init__(self, node: Node, model: RobotModel) -> None:

@@ -30,7 +30,6 @@ def request_topic(action: str) -> str:
 class ActionTransport:
     """Sends execution requests as goals; of all goals the result of the last one counts.
 
-    - ``controller``: name of the controller.
     - ``goals``: those of the action.
     - ``tolerances``: what every goal asks of the controller.
     - ``on_result``: called with every execution request whose result has come, its code and its

@@ -24,13 +24,9 @@ _DEPTH = 10
 class ControllerClient:
     """Sends trajectories to one controller.
 
-    - ``node``: owner of publisher, client and subscription.
-    - ``controller``: name of the controller.
-    - ``clock``: the time of execution requests.
     - ``action``: the way by action.
     - ``refusals``: what the controller says of trajectories sent by topic.
     - ``life``: whether the controller lives.
-    - ``monitor``: where the joints are.
     """
 
     def __init__(

@@ -16,7 +16,6 @@ _DEPTH = 10
 class ControllerRefusals:
     """Finds the refusal of what was sent last; a controller that says nothing has none.
 
-    - ``controller``: name of the controller.
     - ``on_refused``: called with an execution request, the controller's code and its reason.
     """
 

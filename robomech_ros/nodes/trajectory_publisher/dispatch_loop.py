@@ -18,8 +18,6 @@ from robomech_ros.outcomes import Code, name_of
 class DispatchLoop:
     """Tells a dispatcher the time, while it has something to do.
 
-    - ``node``: owner of the timer, and whose log tells how execution requests end.
-    - ``link``: the way to the controller.
     - ``settings``: how often it looks, and what the dispatcher needs.
     - ``obstruction``: names what an execution request would touch; "" for nothing.
     """

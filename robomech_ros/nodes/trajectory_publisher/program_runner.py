@@ -28,8 +28,6 @@ _PERIOD = 0.01
 class ProgramRunner:
     """Runs one program at a time.
 
-    - ``node``: owner of the timers of waits, and whose log tells how a program ended.
-    - ``clock``: the time of waits.
     - ``offer``: queues an execution request.
     - ``transport``: how moves reach the controller.
     - ``limits``: most points of a trajectory, and how long it may be (s).

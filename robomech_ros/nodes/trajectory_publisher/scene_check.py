@@ -17,11 +17,7 @@ if TYPE_CHECKING:
 
 
 class SceneCheck:
-    """Checks what execution requests would touch.
-
-    - ``monitor``: knows the positions of the joints.
-    - ``settings``: gives the parameters as they are now.
-    """
+    """Checks what execution requests would touch."""
 
     def __init__(
         self, node: Node, monitor: JointStateMonitor, settings: Callable[[], PublisherSettings]

@@ -17,7 +17,6 @@ def serve_gripper(
 ) -> list[ActionBase]:
     """Offer the topic joint_trajectory, and the actions where control_msgs is installed.
 
-    - ``node``: gets them, below names of their own.
     - ``settings``: the names.
     - ``on_refused``: called when a trajectory of the topic was refused, whose sender gets no
       answer.
