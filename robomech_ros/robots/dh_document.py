@@ -1,7 +1,5 @@
 """A chain written as the YAML form of a Denavit-Hartenberg table."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A gripper that one value moves: its width, or the position of its joints."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ A document says its kind, as ``kind: rolling``; those of each kind have a folder
 folders of robots.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Mapping
 from functools import partial

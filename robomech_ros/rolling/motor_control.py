@@ -1,7 +1,5 @@
 """Control of the motors of a simulated base: speed of driven wheels, angles of steered ones."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

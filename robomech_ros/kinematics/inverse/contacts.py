@@ -1,7 +1,5 @@
 """Solutions of inverse kinematics that are not in contact with the world around the arm."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any, Protocol
 

@@ -1,7 +1,5 @@
 """The result on /tf_static, which is latched, and calibration markers for viewers."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Files of a calibration: ours with all of it, and two as easy_handeye2 has them."""
 
-from __future__ import annotations
-
 import os
 import stat
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Samples and results of calibrations in messages."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

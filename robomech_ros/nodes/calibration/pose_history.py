@@ -1,7 +1,5 @@
 """Recent poses of a frame in another one, from tf or a pose topic."""
 
-from __future__ import annotations
-
 from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 

@@ -1,7 +1,5 @@
 """The samples of a hand-eye calibration, and the result that was found from them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

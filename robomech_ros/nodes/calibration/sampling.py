@@ -1,7 +1,5 @@
 """One sample: where the hand is and where the sensor sees its target, while the robot stands."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 

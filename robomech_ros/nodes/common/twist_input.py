@@ -1,7 +1,5 @@
 """Reads twist commands from topics, and reports rejected ones."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

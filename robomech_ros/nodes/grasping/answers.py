@@ -1,7 +1,5 @@
 """Grasp results as responses of the node."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

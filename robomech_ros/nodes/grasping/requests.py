@@ -1,7 +1,5 @@
 """Contacts, loads and postures of hands as requests give them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Robots made from the parameters of the controllers of ros2_control, and their interfaces."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

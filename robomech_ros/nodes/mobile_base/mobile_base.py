@@ -1,7 +1,5 @@
 """A simulated base that follows commands period by period; it knows neither ROS nor a clock."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Published state of a mobile base: odometry, frames, wheels and their commands."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

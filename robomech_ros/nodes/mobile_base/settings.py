@@ -1,7 +1,5 @@
 """Parameters of the mobile base, with the names of the controllers of ros2_control."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, make_dataclass
 from typing import Any

@@ -4,8 +4,6 @@ Arms and parallel robots share the other nodes.  A new kind takes a row here, on
 :data:`robomech_ros.robots.robot_kinds.KINDS`, and one in the table of ``robomech robots``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from pkgutil import resolve_name

@@ -1,7 +1,5 @@
 """Takes commands of a walker from their topics, and says which it does not follow, and why."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Lets a robot walk cycle by cycle: has it rise, continues the walk, watches the joints."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Published loads of a walk: ground forces on the feet, and torques of all joints."""
 
-from __future__ import annotations
-
 import numpy as np
 from geometry_msgs.msg import Transform, Wrench
 from rclpy.node import Node

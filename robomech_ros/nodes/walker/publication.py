@@ -1,7 +1,5 @@
 """Published state of a walker: odometry, frames, contacts, margin and polygon."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A walk that is some time ahead, and what is due of it; it knows neither ROS nor a clock."""
 
-from __future__ import annotations
-
 from collections import deque
 from typing import NamedTuple
 

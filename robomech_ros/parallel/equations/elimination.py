@@ -6,8 +6,6 @@ Nanua, Waldron and Murthy, Direct kinematic solution of a Stewart platform, IEEE
 and Automation 6 (1990), pp. 438-444.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

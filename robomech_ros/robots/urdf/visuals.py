@@ -1,7 +1,5 @@
 """Visual and collision elements of links in a URDF: simple shapes and mesh files."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

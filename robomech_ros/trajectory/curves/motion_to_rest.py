@@ -1,7 +1,5 @@
 """Motions that are piecewise polynomials and end at rest."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 
