@@ -162,16 +162,9 @@ def checked_following(
 ) -> PathFollowingResult:
     """End a joint path that follows a pose path at the first bound, and say why.
 
-    Parameters
-    ----------
-    robot : PathModel
-        Of n joints.
-    path : PosePath
-    start : ndarray, shape (n,)
-        Joint values (rad or m).
-    tracking : PathTracking
-        Joint path from there.
-    bounds : PathStopLimits
+    - ``robot``: of n joints.
+    - ``start``: joint values (rad or m), shape (n,).
+    - ``tracking``: joint path from there.
     """
     tracking = _cut(tracking, robot, bounds)
     if tracking.status is PathTrackingStatus.COMPLETE:

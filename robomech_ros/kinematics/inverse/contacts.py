@@ -25,14 +25,9 @@ def without_contacts(
 ) -> InverseKinematicsResult:
     """Leave out solutions in contact, and say how many, or of which bodies.
 
-    Parameters
-    ----------
-    result : InverseKinematicsResult
-        With all solutions.
-    scene : Scene
-        Of the same joints.
-    most : int or None
-        Keep at most so many.
+    - ``result``: with all solutions.
+    - ``scene``: of the same joints.
+    - ``most``: keep at most so many.
     """
     if not hasattr(scene, "clearance") or not hasattr(scene, "chain"):
         raise BadValueError("scene", scene, "a PlanningScene")

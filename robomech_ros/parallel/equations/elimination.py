@@ -50,20 +50,13 @@ def crossing_angles(g: Numbers, h: Numbers) -> list[complex]:
 def sylvester(table: Array, lines: Callable[[Array, Array], Numbers], angle: float) -> Array:
     """Return the dialytic matrix (6, 6) that eliminates the second of three angles.
 
-    Parameters
-    ----------
-    table : ndarray, shape (3, 3)
-        Coefficients of the equation between the first and the second angle.
-    lines : callable
-        From the first and the second angle (rad) to the resultant of the equations in the third.
-    angle : float
-        The first (rad).
+    - ``table``: coefficients of the equation between the first and the second angle, shape (3, 3).
+    - ``lines``: from the first and the second angle (rad) to the resultant of the equations in the
+      third.
+    - ``angle``: the first (rad).
 
-    Returns
-    -------
-    ndarray, shape (6, 6)
-        Rows: the quadratic in the tangent of the second half angle times x^3 .. 1, then the
-        quartic times x and 1; columns: x^5 .. 1.
+    Returns an array (6, 6); rows: the quadratic in the tangent of the second half angle times
+    x^3 .. 1, then the quartic times x and 1; columns: x^5 .. 1.
     """
     C, D, E = circle(angle) @ table
     quadratic = np.array([E - C, 2.0 * D, E + C])
