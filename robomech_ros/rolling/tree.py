@@ -11,7 +11,7 @@ import numpy as np
 
 from robomech_ros.robots import RobotDescription
 from robomech_ros.robots.urdf.document import description_from_urdf
-from robomech_ros.robots.urdf.elements import element
+from robomech_ros.robots.urdf.elements import element, new_name
 from robomech_ros.rolling.base import RollingBase
 from robomech_ros.rolling.wheels import Wheel
 from robomech_ros.spatial.arrays import check_kind
@@ -166,14 +166,6 @@ class _Names(NamedTuple):
     joints: set[str]
 
 
-def _free(name: str, taken: set[str]) -> str:
-    """Take a name, with ``_`` behind it where it is taken."""
-    while name in taken:
-        name += "_"
-    taken.add(name)
-    return name
-
-
 def _axles(number: int, wheel: Wheel, joints: WheelJoints) -> list[_Axle]:
     """Return the joints that roll for a wheel, one behind the other, their middle at its place."""
     own = [name for name, of in joints.rolling if of == number] or [""]
@@ -194,7 +186,7 @@ def _placing(radius: float, names: _Names) -> list[str]:
     far = {"lower": -_FAR, "upper": _FAR, "effort": 0.0, "velocity": 0.0}
     x, y, heading = BASE_JOINTS
     links = ("odom", f"{x}_link", f"{y}_link")
-    odom, x_link, y_link = (_free(link, names.links) for link in links)
+    odom, x_link, y_link = (new_name(link, names.links) for link in links)
     return [
         _link(odom, disc),
         _joint(x, "prismatic", (odom, x_link), (1, 0, 0), limits=far),
@@ -229,7 +221,7 @@ def _wheel(
         limits = None
         if math.isfinite(low) and math.isfinite(high):
             limits = {"lower": low, "upper": high, "effort": 0.0, "velocity": 0.0}
-        holder = _free(f"{name}_holder", names.links)
+        holder = new_name(f"{name}_holder", names.links)
         kind = "continuous" if limits is None else "revolute"
         ends, (x, y) = (names.base_link, holder), wheel.position.tolist()
         yield _joint(pivot, kind, ends, (0, 0, 1), (x, y, 0.0), turned, limits)
@@ -239,8 +231,8 @@ def _wheel(
     for axle in axles:
         x, y = (axle.ahead - wheel.trail, 0.0) if pivot else axle.place
         place = (x, y, wheel.radius)
-        joint = axle.joint or _free(name, names.joints)
-        link = _free(f"{joint}_link", names.links)
+        joint = axle.joint or new_name(name, names.joints)
+        link = new_name(f"{joint}_link", names.links)
         kind = "continuous" if axle.joint else "fixed"
         yield _joint(joint, kind, (holder, link), (0, 1, 0), place, turned)
         yield _link(link, *_rolling_bodies(wheel))

@@ -15,7 +15,7 @@ from robomech_ros.parallel.mechanism.tree import links_of_joints
 from robomech_ros.robots import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.robots.joint import rotation_from_z
-from robomech_ros.robots.urdf.shapes import Shape
+from robomech_ros.robots.urdf.shapes import Shape, rounded
 from robomech_ros.typing import Array, ArrayLike
 
 # Radii in parts of the size of the mechanism.
@@ -118,7 +118,7 @@ def _frame(points: Array, size: float, colour: int, *, plate: bool) -> Iterator[
         if inner > _SAME * size:
             pose = rotation_from_z(axes[2])
             pose[:3, 3] = centre
-            yield Shape(pose, _rounded(inner), _rounded(_PLATE * size), colour)
+            yield Shape(pose, rounded(inner), rounded(_PLATE * size), colour)
 
 
 def _arcs(links: Sequence[str], steps: Array, radius: float) -> dict[str, list[Shape]]:
@@ -148,15 +148,10 @@ def _rod_between(start: ArrayLike, end: ArrayLike, radius: float, colour: int) -
     length = float(np.linalg.norm(two - one))
     pose = rotation_from_z((two - one) / length)
     pose[:3, 3] = 0.5 * (one + two)
-    return Shape(pose, _rounded(radius), _rounded(length), colour)
+    return Shape(pose, rounded(radius), rounded(length), colour)
 
 
 def _ball(point: ArrayLike, radius: float, colour: int) -> Shape:
     pose = np.eye(4)
     pose[:3, 3] = np.asarray(point, float)
-    return Shape(pose, _rounded(radius), 0.0, colour)
-
-
-def _rounded(length: float) -> float:
-    """Keep as many digits as are worth reading of what is only looked at."""
-    return float(f"{length:.6g}")
+    return Shape(pose, rounded(radius), 0.0, colour)

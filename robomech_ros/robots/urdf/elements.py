@@ -112,3 +112,11 @@ def _limit(joint: Joint) -> str:
         if not math.isnan(value):
             limits[key] = value
     return element("limit", limits)
+
+
+def new_name(name: str, taken: set[str]) -> str:
+    """Take a name, with ``_`` behind it where it is taken."""
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    return name

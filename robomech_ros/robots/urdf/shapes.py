@@ -132,11 +132,11 @@ def _bars(joints: Sequence[Joint], scale: float, reach: float, colour: int) -> I
         if length > SHORTEST_BAR * reach:
             pose = rotation_from_z(offset / length)
             pose[:3, 3] = 0.5 * offset
-            yield Shape(pose, _rounded(BAR_RADIUS * scale), length, colour)
+            yield Shape(pose, rounded(BAR_RADIUS * scale), length, colour)
 
 
 def _drum(joint: Joint, scale: float, colour: int) -> Shape:
-    radius, length = _rounded(DRUM_RADIUS * scale), _rounded(DRUM_LENGTH * scale)
+    radius, length = rounded(DRUM_RADIUS * scale), rounded(DRUM_LENGTH * scale)
     return Shape(rotation_from_z(joint.axis), radius, length, colour)
 
 
@@ -146,13 +146,13 @@ def _rod(joint: Joint, scale: float, colour: int) -> Shape:
     forth = max(_travel(-joint.lower, scale), BAR_RADIUS * scale)
     pose = rotation_from_z(joint.axis)
     pose[:3, 3] = 0.5 * (forth - back) * joint.axis
-    return Shape(pose, _rounded(BAR_RADIUS * scale), _rounded(back + forth), colour, box=True)
+    return Shape(pose, rounded(BAR_RADIUS * scale), rounded(back + forth), colour, box=True)
 
 
 def _travel(limit: float, scale: float) -> float:
     return limit if math.isfinite(limit) else 0.5 * scale
 
 
-def _rounded(length: float) -> float:
+def rounded(length: float) -> float:
     """Keep as many digits as are worth reading of what is only looked at."""
     return float(f"{length:.6g}")

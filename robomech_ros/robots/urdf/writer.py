@@ -24,6 +24,7 @@ from robomech_ros.robots.urdf.elements import (
     element,
     inertial_element,
     joint_element,
+    new_name,
     visual_elements,
 )
 from robomech_ros.robots.urdf.joints import DRIVE_TAG
@@ -100,17 +101,10 @@ def _with_axes_in_links(description: RobotDescription) -> Iterator[Joint]:
         elif np.array_equal(joint.after, np.eye(4)):
             yield joint
         else:
-            between = _new_name(f"{joint.name}_frame", taken)
+            between = new_name(f"{joint.name}_frame", taken)
             yield replace(joint, child=between, after=np.eye(4))
-            fixed = _new_name(f"{between}_fixed_joint", taken)
+            fixed = new_name(f"{between}_fixed_joint", taken)
             yield Joint(fixed, "fixed", between, joint.child, joint.after)
-
-
-def _new_name(name: str, taken: set[str]) -> str:
-    while name in taken:
-        name += "_"
-    taken.add(name)
-    return name
 
 
 def _completed(description: RobotDescription) -> str:
