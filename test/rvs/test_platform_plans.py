@@ -8,8 +8,7 @@ from robomech_ros.outcomes import Code
 from robomech_ros.parallel import ParallelDynamics, load_parallel
 from robomech_ros.rvs import Motion
 from robomech_ros.rvs.model.motion_curves import motion_curves
-from robomech_ros.rvs.model.planning import JOINTS, LINE
-from robomech_ros.rvs.model.platforms.planning import plan_platform_between
+from robomech_ros.rvs.model.planning import JOINTS, LINE, plan_between
 
 ROBOTS = ("hexapod", "delta", "planar_3rrr", "agile_eye", "linapod", "tripod_3prs")
 
@@ -31,7 +30,7 @@ def closed(mechanism, q):
 @pytest.mark.parametrize("name", ROBOTS)
 def test_a_plan_of_the_drives_keeps_loops_closed_and_limits(name):
     mechanism, start, goal = two_postures(name)
-    made = plan_platform_between(mechanism, start, goal, JOINTS, "poly345")
+    made = plan_between(mechanism, start, goal, JOINTS, "poly345")
     motion, drives = made.motion, mechanism.drive_index
     assert made.complete and "poly345" in made.sentence
     np.testing.assert_allclose(motion.q[[0, -1]], [start, goal], atol=1e-8)
@@ -48,7 +47,7 @@ def test_a_plan_of_the_drives_keeps_loops_closed_and_limits(name):
 @pytest.mark.parametrize("name", ["hexapod", "delta", "linapod"])
 def test_a_plan_along_a_line_keeps_the_platform_on_it(name):
     mechanism, start, goal = two_postures(name)
-    motion = plan_platform_between(mechanism, start, goal, LINE, "poly345").motion
+    motion = plan_between(mechanism, start, goal, LINE, "poly345").motion
     ends = mechanism.pose(np.stack([start, goal]))[:, :3, 3]
     at = mechanism.pose(motion.q)[:, :3, 3] - ends[0]
     along = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
@@ -61,7 +60,7 @@ def test_a_plan_through_a_singularity_is_refused_with_the_reason():
     start = mechanism.home()
     goal = start.copy()
     goal[mechanism.drive_index] += 0.8
-    made = plan_platform_between(mechanism, start, goal, JOINTS, "poly345")
+    made = plan_between(mechanism, start, goal, JOINTS, "poly345")
     assert made.motion is None and not made.complete
     assert made.sentence.startswith("It would stop ") and "singular" in made.sentence
 
@@ -70,7 +69,7 @@ def test_a_goal_in_another_assembly_mode_is_said():
     mechanism, start, there = two_postures("planar_3rrr")
     drives = there[mechanism.drive_index]
     other = max(mechanism.direct(drives).q, key=lambda q: np.abs(q - there).max())
-    made = plan_platform_between(mechanism, start, other, JOINTS, "poly345")
+    made = plan_between(mechanism, start, other, JOINTS, "poly345")
     assert "another assembly mode" in made.sentence
 
 
@@ -86,13 +85,13 @@ def test_a_goal_in_another_assembly_mode_is_said():
 def test_what_is_no_plan_is_refused(way, profile, words):
     mechanism, start, _ = two_postures("delta")
     with pytest.raises(BadValueError, match=words):
-        plan_platform_between(mechanism, start, start, way, profile)
+        plan_between(mechanism, start, start, way, profile)
 
 
 @pytest.mark.parametrize("name", ["hexapod", "delta", "tripod_3prs"])
 def test_curves_are_those_of_the_drives_with_their_torques(name):
     mechanism, start, goal = two_postures(name)
-    motion = plan_platform_between(mechanism, start, goal, JOINTS, "poly345").motion
+    motion = plan_between(mechanism, start, goal, JOINTS, "poly345").motion
     curves = motion_curves(motion)
     drives = mechanism.drive_index
     by_name = {quantity.name: quantity for quantity in curves.quantities}

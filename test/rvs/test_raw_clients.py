@@ -53,7 +53,7 @@ def test_a_gizmo_of_the_commander_moves_the_arm(page, commander):
     T = arm.tip
     T[2, 3] += 0.02
     owner = str(page._audience.commander)
-    from robomech_ros.rvs.page.robot_nodes import placed
+    from robomech_ros.rvs.page.node_space import placed
 
     place = placed(T)
     hint = page._panel._hint

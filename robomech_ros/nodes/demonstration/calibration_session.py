@@ -42,16 +42,10 @@ def demonstrate_calibration(
         Name or path.
     calibration_type : str
         ``"eye_in_hand"`` or ``"eye_on_base"``.
-    samples : int
     noise : tuple of float
         Deviation of each coordinate of the camera's rotations (rad) and positions (m).
     output : Path
         Folder for the picture and the files of the calibration.
-
-    Raises
-    ------
-    RobomechError
-        A step failed; the text says which and why.
     """
     reporter = Reporter()
     which = Which(robot)

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import PoseArray
-from sensor_msgs.msg import JointState
 
 from robomech_interfaces.srv import (
     Execute,
@@ -20,11 +19,9 @@ from robomech_interfaces.srv import (
 )
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.calibration.files import POSITION_FIRST
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.pose_messages import pose_from_matrix
 from robomech_ros.nodes.demonstration.camera import Scene, SimulatedCamera
-from robomech_ros.nodes.demonstration.client import EXECUTE, DemoClient
+from robomech_ros.nodes.demonstration.client import EXECUTE, PLAN_JOINT, DemoClient
 from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.demonstration.suite import DemoFailedError
 from robomech_ros.robots import SerialChain
@@ -38,7 +35,7 @@ from robomech_ros.typing import Array
 
 SERVICES: dict[str, Any] = {
     "kinematics/solve_ik_batch": SolveIKBatch,
-    "trajectory_planner/plan_joint": PlanJoint,
+    PLAN_JOINT: PlanJoint,
     EXECUTE: Execute,
     "calibration/take_sample": TakeSample,
     "calibration/solve": SolveCalibration,
@@ -50,7 +47,7 @@ _FIRST, _MISTAKEN = 4, 6
 _CANDIDATES = 80
 # How far the hand is turned about the target, rad, and how far a joint may go from the start.
 _LEAST_TURN, _MOST_TURN, _MAX_MOVE = 0.25, 0.7, 2.0
-_ARRIVED, _GRACE_SECONDS = 1e-6, 10.0
+_ARRIVED = 1e-6
 # Squared distance of six normal numbers that none exceeds, even where the noise is estimated from a
 # few samples.
 _MAX_SQUARED_DISTANCE = 100.0
@@ -62,7 +59,6 @@ class Progress:
 
     Attributes
     ----------
-    count : int
     error : ndarray, shape (6,)
         Of the camera's pose against the truth, as pose_error has it (rad, m).
     covariance : ndarray, shape (6, 6)
@@ -92,15 +88,11 @@ class CalibrationTask:
     ----------
     client : DemoClient
         Connected to the running suite.
-    chain : SerialChain
-    camera : SimulatedCamera
     scene : Scene
         The truth, to compare with.
-    reporter : Reporter
 
     Attributes
     ----------
-    progress : list of Progress
     answer : SolveCalibration.Response or None
         The last.
     """
@@ -119,13 +111,7 @@ class CalibrationTask:
         self.answer: Any = None
 
     def run(self, start: Array, count: int) -> None:
-        """Take samples about a posture, shape (n,), and solve.
-
-        Raises
-        ------
-        DemoFailedError
-            A step went wrong, or the result is not what it says it is.
-        """
+        """Take samples about a posture, shape (n,), and solve."""
         places, postures = self._reachable(start)
         left = list(range(len(places)))
         self._sample(start)
@@ -165,18 +151,11 @@ class CalibrationTask:
 
     def _sample(self, goal: Array) -> None:
         """Go to a posture, shape (n,), and take a sample there."""
-        client, names = self._client, self._chain.joint_names
+        client = self._client
         if np.abs(goal - client.present).max() > _ARRIVED:
-            request = PlanJoint.Request(
-                start=joint_state(names, client.present),
-                goal=JointState(name=list(names), position=goal.tolist()),
-                profile=PlanJoint.Request.RUCKIG,
-                keep_turns=True,  # arrival is judged by the goal itself
-            )
-            planned = client.call("trajectory_planner/plan_joint", request)
-            seconds = seconds_from_duration(planned.duration, "duration")
-            patience = seconds + _GRACE_SECONDS
-            client.wait_until_at(goal, _ARRIVED, patience, by=planned.trajectory)
+            # Arrival is judged by the goal itself.
+            planned = client.plan_joint(goal, profile=PlanJoint.Request.RUCKIG, keep_turns=True)
+            client.follow(planned.trajectory, goal, _ARRIVED)
         client.call("calibration/take_sample", TakeSample.Request())
 
     def _solve(self, candidates: Array) -> Any:

@@ -79,8 +79,6 @@ class SimulatedCamera:
     ----------
     client : DemoClient
         Hears the joints, and speaks.
-    chain : SerialChain
-    scene : Scene
     noise : tuple of float
         Deviation of each coordinate of its rotations (rad) and positions (m).
     on_tf : bool

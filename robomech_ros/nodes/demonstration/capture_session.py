@@ -3,26 +3,23 @@
 from dataclasses import asdict
 from pathlib import Path
 
-import numpy as np
-
 from robomech_interfaces.srv import Execute, PlanCartesian, PlanJoint, SolveIK
 from robomech_ros.dynamics import FloatingChain
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.demonstration.capture_task import CaptureTask
-from robomech_ros.nodes.demonstration.client import EXECUTE, running_client
+from robomech_ros.nodes.demonstration.client import EXECUTE, PLAN_JOINT, running_client
 from robomech_ros.nodes.demonstration.limits import Which, chain_with_limits
 from robomech_ros.nodes.demonstration.pick_and_place import CARRYING, DemoArm
-from robomech_ros.nodes.demonstration.report import Reporter, write_motion_page
+from robomech_ros.nodes.demonstration.report import Reporter, whole_motion, write_motion_page
 from robomech_ros.nodes.demonstration.session import plot_recording
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.robots import load_description
-from robomech_ros.rvs import Choice, Motion
 from robomech_ros.rvs.model.floating_tree import CAPTURED, CRAFT, floating_tree, free_joints
 
 _SERVICES = {
     "kinematics/solve_ik": SolveIK,
     "trajectory_planner/plan_cartesian": PlanCartesian,
-    "trajectory_planner/plan_joint": PlanJoint,
+    PLAN_JOINT: PlanJoint,
     EXECUTE: Execute,
     **CARRYING,
 }
@@ -37,11 +34,6 @@ def demonstrate_capture(which: Which, output: Path) -> None:
         The robot, and what of it moves.
     output : Path
         Folder for the plot and the page.
-
-    Raises
-    ------
-    RobomechError
-        A step or a proof failed; the text has the reason.
     """
     reporter = Reporter()
     chain, description = chain_with_limits(which, reporter.say), load_description(which.robot)
@@ -64,10 +56,6 @@ def demonstrate_capture(which: Which, output: Path) -> None:
     states = task.states()
     columns = free_joints(CRAFT, states.poses) | free_joints(CAPTURED, task.body_poses(states))
     columns |= dict(zip(chain.joint_names, states.q.T, strict=True))
-    at_rest = description.joint_positions()
-    rows = [columns.get(name, at_rest.get(name, 0.0) + 0.0 * states.t) for name in tree.joint_names]
-    q = np.column_stack(rows)
-    choices = tuple(Choice(time, name, "", ()) for time, name in task.marks)
-    motion = Motion(tree, states.t, q, choices)
+    motion = whole_motion(tree, states.t, columns, task.marks)
     page = write_motion_page(output, chain.name, "a capture in space", tree, motion, chain.tip)
     reporter.finish(f"plot: {plot}", page)

@@ -4,15 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
-from robomech_interfaces.srv import PlanCartesian, PlanJoint, SolveIK
+from robomech_interfaces.srv import PlanCartesian, SolveIK
 from robomech_ros.dynamics import FloatingChain, with_payload
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.mobility import arm_size
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.message_fields import NANO
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.nodes.demonstration.client import DemoClient
 from robomech_ros.nodes.demonstration.pick_and_place import change_parameters
@@ -67,7 +64,6 @@ class CaptureTask:
         Of the running suite.
     robot : FloatingChain
         Chain of n joints.
-    reporter : Reporter
 
     Attributes
     ----------
@@ -88,13 +84,7 @@ class CaptureTask:
         client.node.create_subscription(Odometry, "odom", self._odometry, 1000)
 
     def run(self) -> None:
-        """Approach, capture, and bring the arm back.
-
-        Raises
-        ------
-        DemoFailedError
-            A step fails.
-        """
+        """Approach, capture, and bring the arm back."""
         home = self._client.present
         tip = forward_kinematics(self._robot.chain, home)
         self._goal = tip.copy()
@@ -103,11 +93,7 @@ class CaptureTask:
         self._velocity = -_SPEED * self._goal[:3, 2]
         self._capture()
         self._mark("way back")
-        request = PlanJoint.Request(
-            start=self._present(), goal=joint_state(self._robot.chain.joint_names, home)
-        )
-        planned = self._client.call("trajectory_planner/plan_joint", request)
-        self._execute("way back", planned.trajectory)
+        self._execute("way back", self._client.plan_joint(home).trajectory)
 
     def states(self) -> States:
         """Return the states whose pose and joints are known at the same time."""
@@ -130,13 +116,7 @@ class CaptureTask:
         return np.where((states.t < self._contact)[:, None, None], free, held)
 
     def prove(self) -> None:
-        """Check the momentum before and after, and say where the base is.
-
-        Raises
-        ------
-        DemoFailedError
-            A check fails.
-        """
+        """Check the momentum before and after, and say where the base is."""
         states, say = self.states(), self._reporter
         body = Body(self.captured.mass, np.array([0.0, 0.0, 0.5 * self._side]), np.zeros((3, 3)))
         loaded = FloatingChain(with_payload(self._robot.chain, body), self._robot.base)
@@ -171,7 +151,7 @@ class CaptureTask:
         solved = self._client.call("kinematics/solve_ik", SolveIK.Request(target=target))
         say.say(f"approach: {solved.error_msg}")
         request = PlanCartesian.Request(
-            start=self._present(), waypoints=[target], profile=PlanCartesian.Request.TIME_OPTIMAL
+            start=self._client.state, waypoints=[target], profile=PlanCartesian.Request.TIME_OPTIMAL
         )
         planned = self._client.call("trajectory_planner/plan_cartesian", request)
         self._execute("approach", planned.trajectory)
@@ -227,19 +207,9 @@ class CaptureTask:
         return np.array(found[0]), np.array(found[1])
 
     def _execute(self, name: str, trajectory: JointTrajectory) -> None:
-        points = trajectory.points
-        goal = np.array(points[-1].positions)
-        end = points[-1].time_from_start
-        seconds, start = end.sec + end.nanosec / NANO, self._client.now()
         with self._reporter.progress(name) as show:
-
-            def look() -> None:
-                done = min((self._client.now() - start) / seconds, 1.0)
-                show(done, self._client.present)
-
-            patience = seconds + _PATIENCE
-            self._client.wait_until_at(goal, _ARRIVED, patience, look, by=trajectory)
-            show(1.0, self._client.present)
+            goal = np.array(trajectory.points[-1].positions)
+            self._client.follow(trajectory, goal, _ARRIVED, show)
         # The odometry of the last joint state comes after it.
         self._wait_until(self._client.now() + 0.1)
 
@@ -252,9 +222,6 @@ class CaptureTask:
 
     def _mark(self, name: str) -> None:
         self.marks.append((self._client.now(), name))
-
-    def _present(self) -> JointState:
-        return joint_state(self._robot.chain.joint_names, self._client.present)
 
     def _odometry(self, message: Odometry) -> None:
         twist, stamp = message.twist.twist, message.header.stamp

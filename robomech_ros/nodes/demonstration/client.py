@@ -14,8 +14,10 @@ from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
-from robomech_interfaces.srv import Execute
+from robomech_interfaces.srv import Execute, PlanJoint
 from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.common.joint_messages import joint_state
+from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.demonstration.suite import DemoFailedError, Suite, running_suite
 from robomech_ros.nodes.middleware.queue_depth import ask
 from robomech_ros.nodes.middleware.retrying_client import RetriedRequest
@@ -26,7 +28,9 @@ from robomech_ros.typing import Array
 _START_SECONDS = 60.0
 _CALL_SECONDS = 20.0
 _LOOK = 0.02
-EXECUTE = "trajectory_publisher/execute"
+# Beyond the duration of a motion.
+_GRACE_SECONDS = 30.0
+EXECUTE, PLAN_JOINT = "trajectory_publisher/execute", "trajectory_planner/plan_joint"
 
 
 class DemoClient:
@@ -79,6 +83,11 @@ class DemoClient:
         """The joint positions heard last, shape (n,) (rad or m)."""
         return self._rows[-1][1]
 
+    @property
+    def state(self) -> JointState:
+        """Joint state with the positions heard last."""
+        return joint_state(self._names, self.present)
+
     def recording(self) -> tuple[Array, Array, Array]:
         """Return times from the first message (s), positions and velocities, (m,) and (m, n)."""
         rows = list(self._rows)
@@ -109,25 +118,32 @@ class DemoClient:
         return missing if self._rows else [*missing, "joint_states"]
 
     def call(self, service: str, request: Any) -> Any:
-        """Call a service of the suite and return its answer.
-
-        Raises
-        ------
-        DemoFailedError
-            It did not answer, or answered with an error.
-        """
+        """Call a service of the suite and return its answer."""
         response = self.ask(service, request)
         _refuse_error(service, response)
         return response
 
-    def ask(self, service: str, request: Any) -> Any:
-        """Call any service and return its answer.
+    def plan_joint(self, goal: Array | JointState, **options: Any) -> Any:
+        """Have a motion planned from where the joints are.
 
-        Raises
-        ------
-        DemoFailedError
-            It did not answer.
+        Parameters
+        ----------
+        goal : ndarray, shape (n,), or JointState
+            rad or m.
+        **options
+            Other fields of a PlanJoint request.
+
+        Returns
+        -------
+        PlanJoint.Response
         """
+        if not isinstance(goal, JointState):
+            goal = joint_state(self._names, goal)
+        request = PlanJoint.Request(start=self.state, goal=goal, **options)
+        return self.call(PLAN_JOINT, request)
+
+    def ask(self, service: str, request: Any) -> Any:
+        """Call any service and return its answer."""
         question = RetriedRequest(self._clients[service], self._kinds[service], request)
         if self.wait(question.answered.done, _CALL_SECONDS, question.repeat_if_due):
             return question.answer()
@@ -135,12 +151,7 @@ class DemoClient:
         raise DemoFailedError(f"{service} did not answer within {_CALL_SECONDS:g} s")
 
     def wait_until_at(
-        self,
-        goal: Array,
-        tolerance: float,
-        seconds: float,
-        look: Callable[[], None] = lambda: None,
-        by: JointTrajectory | None = None,
+        self, goal: Array, tolerance: float, seconds: float, look: Callable[[], None] = lambda: None
     ) -> None:
         """Wait until the joints rest at a position.
 
@@ -154,23 +165,9 @@ class DemoClient:
             How long to wait.
         look : callable, optional
             Called again and again meanwhile.
-        by : JointTrajectory, optional
-            Executed to get there.
-
-        Raises
-        ------
-        DemoFailedError
-            They do not arrive in time, and the worst joint is named; or the motion fails.
         """
-        execution = None
-        if by is not None:
-            execution = RetriedRequest(
-                self._clients[EXECUTE], Execute, Execute.Request(trajectory=by)
-            )
 
         def arrived() -> bool:
-            if execution is not None and execution.answered.done():
-                _refuse_error(EXECUTE, execution.answer())
             _, q, qd = self._rows[-1]
             return bool(np.abs(q - goal).max() <= tolerance and np.abs(qd).max() <= tolerance)
 
@@ -180,6 +177,38 @@ class DemoClient:
             amount = f"{off[worst]:.3g} {self._units[worst]}"
             text = f"after {seconds:.1f} s joint '{self._names[worst]}' is {amount} from its goal"
             raise DemoFailedError(f"the motion did not arrive: {text}")
+
+    def follow(
+        self,
+        trajectory: JointTrajectory,
+        goal: Array,
+        tolerance: float,
+        show: Callable[[float, Array], None] = lambda done, q: None,
+    ) -> None:
+        """Execute a trajectory, and wait until the joints rest at its goal.
+
+        Parameters
+        ----------
+        goal : ndarray, shape (n,)
+            rad or m.
+        tolerance : float
+            Of each joint's position, and of its velocity.
+        show : callable, optional
+            Called with the part of the duration that is over, 0 to 1, and the joint positions.
+        """
+        execution = RetriedRequest(
+            self._clients[EXECUTE], Execute, Execute.Request(trajectory=trajectory)
+        )
+        seconds = seconds_from_duration(trajectory.points[-1].time_from_start, "time_from_start")
+        begun = self.now()
+
+        def look() -> None:
+            if execution.answered.done():
+                _refuse_error(EXECUTE, execution.answer())
+            show(min((self.now() - begun) / seconds, 1.0) if seconds else 1.0, self.present)
+
+        self.wait_until_at(goal, tolerance, seconds + _GRACE_SECONDS, look)
+        show(1.0, self.present)
 
     def wait(
         self, condition: Callable[[], bool], seconds: float, look: Callable[[], None] = lambda: None
@@ -194,11 +223,6 @@ class DemoClient:
             How long to wait.
         look : callable, optional
             Called again and again meanwhile.
-
-        Raises
-        ------
-        DemoFailedError
-            A node has ended.
         """
         deadline = time.monotonic() + seconds
         while not condition():

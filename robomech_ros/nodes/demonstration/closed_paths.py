@@ -23,7 +23,6 @@ class ClosedPath:
 
     Attributes
     ----------
-    name : str
     lengths : ndarray, shape (m,)
         From the beginning, evenly spaced (m).
     places : ndarray, shape (m, 2)

@@ -88,7 +88,6 @@ class Driven(NamedTuple):
 
     Parameters
     ----------
-    path : ClosedPath
     begin, end : float
         ROS times (s).
     """
@@ -103,11 +102,8 @@ class DriveTask:
 
     Parameters
     ----------
-    client : DemoClient
-    robot : RollingRobot
     interface : Interface
         Topics of its drive.
-    reporter : Reporter
     """
 
     def __init__(
@@ -133,12 +129,7 @@ class DriveTask:
         )
 
     def wait_until_up(self) -> None:
-        """Wait for odometry and for who takes commands.
-
-        Raises
-        ------
-        DemoFailedError
-        """
+        """Wait for odometry and for who takes commands."""
 
         def is_up() -> bool:
             known = self._odometry and self._true
@@ -158,13 +149,7 @@ class DriveTask:
         return np.column_stack([rows[:, :3], np.unwrap(rows[:, 3])])
 
     def drive(self, path: ClosedPath, radius: float) -> Driven:
-        """Drive a path, and check where the base arrives.
-
-        Raises
-        ------
-        DemoFailedError
-            It does not arrive, or elsewhere.
-        """
+        """Drive a path, and check where the base arrives."""
         speed, acceleration = speed_on(self._robot, path, radius)
         follower = PathFollower(self._robot.base.axle, path, speed, acceleration, radius)
         begin = self._odometry[-1][0]

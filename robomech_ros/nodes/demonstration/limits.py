@@ -31,7 +31,6 @@ def chain_with_limits(which: Which, say: Callable[[str], None]) -> SerialChain:
 
     Parameters
     ----------
-    which : Which
     say : callable
         Prints what was assumed.
 

@@ -26,11 +26,6 @@ def demonstrate_obstacles(which: Which, output: Path) -> None:
         The robot, and what of it moves.
     output : Path
         Folder for the plot, and for the URDF of a robot without collision geometry.
-
-    Raises
-    ------
-    RobomechError
-        A step or a proof failed, or no cell suits the robot; the text has the reason.
     """
     reporter = Reporter()
     files = robot_with_bodies(which.robot, which.srdf, output, CLEARANCE)

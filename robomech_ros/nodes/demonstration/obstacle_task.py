@@ -19,10 +19,9 @@ from shape_msgs.msg import SolidPrimitive
 from robomech_interfaces.srv import PlanJoint
 from robomech_ros.collision import Box, Clearance, PlanningScene
 from robomech_ros.kinematics import inverse_kinematics
-from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, pose_from_matrix
-from robomech_ros.nodes.demonstration.client import DemoClient
+from robomech_ros.nodes.demonstration.client import PLAN_JOINT, DemoClient
 from robomech_ros.nodes.demonstration.obstacle_cell import PART, ObstacleCell, add_cell
 from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.demonstration.suite import DemoFailedError
@@ -36,7 +35,7 @@ SERVICES: dict[str, Any] = {
     "get_planning_scene": GetPlanningScene,
     "apply_planning_scene": ApplyPlanningScene,
     "plan_kinematic_path": GetMotionPlan,
-    "trajectory_planner/plan_joint": PlanJoint,
+    PLAN_JOINT: PlanJoint,
 }
 # Least distance that the planner keeps (m); the pads below the part are higher.
 CLEARANCE = 1e-3
@@ -63,8 +62,6 @@ class CarryAround:
         Connected to the running nodes.
     scene : PlanningScene
         Scene of the robot alone, which gets the same objects as the node's scene.
-    cell : ObstacleCell
-    reporter : Reporter
     """
 
     def __init__(
@@ -79,13 +76,7 @@ class CarryAround:
         self.marks: list[tuple[float, str]] = []
 
     def run(self) -> None:
-        """Run the task.
-
-        Raises
-        ------
-        DemoFailedError
-            A step went wrong, or a proof failed.
-        """
+        """Run the task."""
         chain, cell = self._scene.chain, self._cell
         tip = chain.tip, _TOLERANCE, chain.base
         self._add_objects()
@@ -134,7 +125,7 @@ class CarryAround:
         request = MotionPlanRequest(
             goal_constraints=[goal], allowed_planning_time=_PLANNING_SECONDS
         )
-        request.start_state.joint_state = self._present_state()
+        request.start_state.joint_state = self._client.state
         request.start_state.is_diff = True
         answer = self._client.ask(
             "plan_kinematic_path", GetMotionPlan.Request(motion_plan_request=request)
@@ -188,14 +179,9 @@ class CarryAround:
         """Plan without the wall, and print how deep that motion would hit."""
         chain, here = self._scene.chain, self._client.present
         goal = inverse_kinematics(chain, self._cell.place, seed=here).q[0]
-        request = PlanJoint.Request(
-            start=self._present_state(),
-            goal=joint_state(chain.joint_names, goal),
-            profile=PlanJoint.Request.RUCKIG,
-            keep_turns=True,
-            ignore_collisions=True,
+        answer = self._client.plan_joint(
+            goal, profile=PlanJoint.Request.RUCKIG, keep_turns=True, ignore_collisions=True
         )
-        answer = self._client.call("trajectory_planner/plan_joint", request)
         points = _waypoints(answer.trajectory)
         found = [self._scene.clearance(row) for row in points.positions]
         k = min(range(len(found)), key=lambda i: found[i].distance)
@@ -220,9 +206,6 @@ class CarryAround:
             max(turned, off) < _PLACED,
             f"'{PART}' stands {off * 1e3:.2f} mm and {turned:.1e} rad from its goal",
         )
-
-    def _present_state(self) -> Any:
-        return joint_state(self._scene.chain.joint_names, self._client.present)
 
     def _check_code(self, what: str, code: Any) -> None:
         if code.val != MoveItErrorCodes.SUCCESS:

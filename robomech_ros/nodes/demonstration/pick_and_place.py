@@ -11,7 +11,6 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.srv import PlanCartesian, PlanJoint, SolveFK, SolveIK
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.joint_messages import joint_state
 from robomech_ros.nodes.common.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.nodes.demonstration.client import DemoClient
@@ -47,23 +46,12 @@ def carry(client: DemoClient, mass: float) -> None:
     """Have the robot carry a mass (kg) that the controller of its drives does not know of.
 
     It takes the place of what the robot carries.
-
-    Raises
-    ------
-    DemoFailedError
-        The robot cannot carry it.
     """
     change_parameters(client, {"payload_mass": mass})
 
 
 def change_parameters(client: DemoClient, values: Mapping[str, float | Sequence[float]]) -> None:
-    """Change parameters of the controller, all at once.
-
-    Raises
-    ------
-    DemoFailedError
-        The controller refuses one.
-    """
+    """Change parameters of the controller, all at once."""
     parameters = [Parameter(name, value=value).to_parameter_msg() for name, value in values.items()]
     result = client.ask(_SERVICE, SetParametersAtomically.Request(parameters=parameters)).result
     if not result.successful:
@@ -120,7 +108,6 @@ class PickAndPlace:
     ----------
     client : DemoClient
         Connected to the running suite.
-    robot : DemoRobot
     reporter : Reporter
         Where to tell what happens.
     payload : float, optional
@@ -138,13 +125,7 @@ class PickAndPlace:
         self.marks: list[tuple[float, str]] = []
 
     def run(self) -> None:
-        """Do all of it.
-
-        Raises
-        ------
-        DemoFailedError
-            A step went wrong.
-        """
+        """Do all of it."""
         pick, place = self._robot.targets()
         over, on = self._robot.path_to_place(pick, place), self._robot.path_onward(place)
         self._leg("pick", "RUCKIG", pick)
@@ -183,7 +164,7 @@ class PickAndPlace:
         self._reporter.heading(f"{name} at x y z = {_listed(T[:3, 3])} m")
         goal = self._solve(name, T)
         self.marks.append((self._client.now(), f"{name} ({profile})"))
-        self._move(name, profile, joint_state(self._robot.joint_names, goal), goal, T)
+        self._move(name, profile, goal, goal, T)
 
     def _along(self, path: TipPath) -> None:
         """Move the tip along a path, to where it ends."""
@@ -193,7 +174,7 @@ class PickAndPlace:
         goal = self._solve(path.name, T)
         self.marks.append((self._client.now(), f"{path.name} (TIME_OPTIMAL)"))
         request = PlanCartesian.Request(
-            start=self._present_state(),
+            start=self._client.state,
             waypoints=[stamped_pose(pose, self._robot.base) for pose in path.waypoints],
             path=getattr(PlanCartesian.Request, path.path),
             profile=PlanCartesian.Request.TIME_OPTIMAL,
@@ -210,9 +191,7 @@ class PickAndPlace:
 
     def _solve(self, name: str, T: Array) -> Array:
         """Ask for all solutions, and choose the nearest one inside the limits."""
-        request = SolveIK.Request(
-            target=stamped_pose(T, self._robot.base), seed=self._present_state()
-        )
+        request = SolveIK.Request(target=stamped_pose(T, self._robot.base), seed=self._client.state)
         response = self._client.call("kinematics/solve_ik", request)
         goal = np.array(response.solutions[0].positions)
         # The first is taken.
@@ -240,15 +219,12 @@ class PickAndPlace:
         self._reporter.solutions(shown, chosen, self._robot.shown)
         return goal
 
-    def _move(self, name: str, profile: str, named: JointState, goal: Array, T: Array) -> None:
-        """Plan a motion to a goal, shape (n,), as it is named, and execute it to a pose."""
-        request = PlanJoint.Request(
-            start=self._present_state(),
-            goal=named,
-            profile=_PROFILES[profile],
-            keep_turns=True,  # arrival is judged by the goal itself
-        )
-        response = self._client.call("trajectory_planner/plan_joint", request)
+    def _move(
+        self, name: str, profile: str, named: Array | JointState, goal: Array, T: Array
+    ) -> None:
+        """Plan a motion to a goal, shape (n,), by values or by name, and execute it to a pose."""
+        # Arrival is judged by the goal itself.
+        response = self._client.plan_joint(named, profile=_PROFILES[profile], keep_turns=True)
         duration = seconds_from_duration(response.duration, "duration")
         leg = Leg(name, profile, duration, max(response.peak_velocity_ratio))
         self._reporter.say(
@@ -260,23 +236,17 @@ class PickAndPlace:
 
     def _execute(self, leg: Leg, trajectory: JointTrajectory, goal: Array, T: Array) -> None:
         """Execute a motion to a pose, and show which part of its duration it has lasted."""
-        shown, begun = list(self._robot.shown), self._client.now()
+        shown = list(self._robot.shown)
         with self._reporter.progress(leg.name) as show:
-
-            def look() -> None:
-                lasted = self._client.now() - begun
-                done = min(lasted / leg.duration, 1.0) if leg.duration else 1.0
-                show(done, self._client.present[shown])
-
-            patience = leg.duration + _GRACE_SECONDS
-            self._client.wait_until_at(goal, self._joints_arrived, patience, look, trajectory)
-            show(1.0, self._client.present[shown])
+            self._client.follow(
+                trajectory, goal, self._joints_arrived, lambda done, q: show(done, q[shown])
+            )
         self._check(leg, T)
         self.legs.append(leg)
 
     def _check(self, leg: Leg, T: Array) -> None:
         """Compare where the tip is, by forward kinematics of the joints, with the target."""
-        request = SolveFK.Request(states=[self._present_state()])
+        request = SolveFK.Request(states=[self._client.state])
         response = self._client.call("kinematics/solve_fk", request)
         error = pose_error(T, matrix_from_pose(response.poses[0].pose))
         norms = np.linalg.norm(error.reshape(2, 3), axis=1)
@@ -288,9 +258,6 @@ class PickAndPlace:
         if max(leg.position_error, leg.orientation_error) > self._arrived:
             raise DemoFailedError(f"{text}; the robot did not arrive")
         self._reporter.say(text)
-
-    def _present_state(self) -> JointState:
-        return joint_state(self._robot.joint_names, self._client.present)
 
 
 def _listed(values: Array) -> str:

@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +15,7 @@ from rich.table import Table
 
 from robomech_ros.nodes.demonstration.suite import DemoFailedError, Suite
 from robomech_ros.robots import RobotDescription
-from robomech_ros.rvs import Motion, ViewUnavailableError, write_motion
+from robomech_ros.rvs import Choice, Motion, ViewUnavailableError, write_motion
 from robomech_ros.typing import Array
 
 Shown = Callable[[float, Array], None]
@@ -83,6 +83,29 @@ def write_motion_page(
     )
 
 
+def whole_motion(
+    robot: RobotDescription,
+    times: Array,
+    columns: Mapping[str, Array],
+    marks: Sequence[tuple[float, str]] = (),
+) -> Motion:
+    """Return the motion of a whole robot.
+
+    Parameters
+    ----------
+    times : ndarray, shape (m,)
+        s.
+    columns : mapping of str to ndarray, shape (m,)
+        Joint values (rad or m); joints without any rest.
+    marks : sequence of (float, str), optional
+        Times (s), and what begins there.
+    """
+    at_rest = robot.joint_positions()
+    rows = [columns.get(name, np.full(len(times), at_rest[name])) for name in robot.joint_names]
+    choices = tuple(Choice(time, name, "", ()) for time, name in marks)
+    return Motion(robot, times, np.column_stack(rows), choices)
+
+
 class Reporter:
     """Prints to the terminal, or plain lines where there is none; knows when it was made."""
 
@@ -97,13 +120,7 @@ class Reporter:
         self._console.print(text, markup=False)
 
     def check(self, passed: bool, text: str) -> None:
-        """Print the result of a check, or fail with it.
-
-        Raises
-        ------
-        DemoFailedError
-            It did not pass.
-        """
+        """Print the result of a check, or fail with it."""
         if not passed:
             raise DemoFailedError(text)
         self.say(text)

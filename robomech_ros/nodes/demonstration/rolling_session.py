@@ -8,13 +8,12 @@ import numpy as np
 
 from robomech_ros.nodes.demonstration.client import DemoClient, running_client
 from robomech_ros.nodes.demonstration.drive_task import Driven, DriveTask, paths_for
-from robomech_ros.nodes.demonstration.report import Reporter, write_motion_page
+from robomech_ros.nodes.demonstration.report import Reporter, whole_motion, write_motion_page
 from robomech_ros.nodes.mobile_base.drives import INTERFACES
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.plotting.drives import plot_paths
 from robomech_ros.rolling import RollingRobot, WheelJoints, rolling_description, rolling_robot
 from robomech_ros.rolling.tree import BASE_JOINTS
-from robomech_ros.rvs import Choice, Motion
 
 
 def demonstrate(robot: str, output: Path) -> None:
@@ -26,11 +25,6 @@ def demonstrate(robot: str, output: Path) -> None:
         Name or path.
     output : Path
         Folder for the plot and the page.
-
-    Raises
-    ------
-    RobomechError
-        A step failed; the text says which and why.
     """
     reporter, rolling = Reporter(), rolling_robot(robot)
     base = rolling.base
@@ -75,9 +69,8 @@ def _page(
     for name, column in zip(BASE_JOINTS, poses.T[1:], strict=True):
         known[name] = np.interp(times, poses[:, 0], column)
     description = rolling_description(robot.base)
-    q = np.column_stack([known[name] for name in description.joint_names])
-    choices = tuple(Choice(one.begin, one.path.name, "", ()) for one in driven)
-    motion = Motion(description, times, q, choices)
+    marks = [(one.begin, one.path.name) for one in driven]
+    motion = whole_motion(description, times, known, marks)
     return write_motion_page(
         output, robot.base.name, "closed paths", description, motion, "base_link"
     )

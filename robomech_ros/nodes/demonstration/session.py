@@ -8,7 +8,7 @@ import numpy as np
 
 from robomech_interfaces.srv import Execute, PlanCartesian, PlanJoint, SolveFK, SolveIK
 from robomech_ros.dynamics import mass_matrix
-from robomech_ros.nodes.demonstration.client import EXECUTE, running_client
+from robomech_ros.nodes.demonstration.client import EXECUTE, PLAN_JOINT, running_client
 from robomech_ros.nodes.demonstration.limits import Which, chain_with_limits
 from robomech_ros.nodes.demonstration.pick_and_place import (
     CARRYING,
@@ -29,7 +29,7 @@ _LEAD_SECONDS = 0.25
 _SERVICES = {
     "kinematics/solve_ik": SolveIK,
     "kinematics/solve_fk": SolveFK,
-    "trajectory_planner/plan_joint": PlanJoint,
+    PLAN_JOINT: PlanJoint,
     "trajectory_planner/plan_cartesian": PlanCartesian,
     EXECUTE: Execute,
 }
@@ -46,11 +46,6 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
         Folder for the plot and the page.
     payload : float, optional
         Drives move the robot, and it carries this mass (kg) from pick to place; default none does.
-
-    Raises
-    ------
-    RobomechError
-        A step failed; the text says which and why.
     """
     reporter = Reporter()
     mechanism = load_tree_description(which.robot).mechanism

@@ -34,13 +34,7 @@ class Suite:
         return f"{each} of its own in ROS domain {self.domain}: {', '.join(names)}"
 
     def check(self) -> None:
-        """Raise where a node has ended.
-
-        Raises
-        ------
-        DemoFailedError
-            It names the node and its exit code.
-        """
+        """Raise where a node has ended."""
         for name, code in self.group.dead().items():
             raise DemoFailedError(f"node {name} ended by itself with exit code {code}")
 
@@ -56,11 +50,6 @@ def running_suite(commands: Mapping[str, Sequence[str]]) -> Iterator[Suite]:
 
     The variables that choose domain and discovery range are set in this process, too, so that
     what it starts next hears the nodes and nobody else.
-
-    Raises
-    ------
-    DemoFailedError
-        A node did not end cleanly.
     """
     with (
         free_domain() as domain,

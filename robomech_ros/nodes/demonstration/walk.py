@@ -62,13 +62,7 @@ class Walk:
         self._contacts.append((_seconds(message), np.array(message.contacts), places))
 
     def wait_until_it_stands(self) -> None:
-        """Wait until all feet are down and the trunk is at rest.
-
-        Raises
-        ------
-        DemoFailedError
-            They are not in time.
-        """
+        """Wait until all feet are down and the trunk is at rest."""
         known = len(self._poses)
 
         def stands() -> bool:
@@ -83,7 +77,6 @@ class Walk:
 
         Parameters
         ----------
-        follower : PathFollower
         seconds : float
             That it should take.
 
@@ -91,11 +84,6 @@ class Walk:
         -------
         float
             The time that it took (s).
-
-        Raises
-        ------
-        DemoFailedError
-            It does not arrive, or does not stop.
         """
         begin, started = rigid_inverse(self._poses[-1][1]), self._now()
         patience = _PATIENCE + _TIME_FACTOR * seconds

@@ -11,11 +11,10 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.demonstration.client import DemoClient, running_client
 from robomech_ros.nodes.demonstration.closed_paths import ClosedPath, figure_of_eight
 from robomech_ros.nodes.demonstration.path_follower import PathFollower
-from robomech_ros.nodes.demonstration.report import Reporter, write_motion_page
+from robomech_ros.nodes.demonstration.report import Reporter, whole_motion, write_motion_page
 from robomech_ros.nodes.demonstration.walk import Walk
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.plotting.walks import plot_walk
-from robomech_ros.rvs import Motion
 from robomech_ros.rvs.model.walking.placed_tree import placed_tree, placing
 from robomech_ros.typing import Array
 from robomech_ros.walking import GAITS, LeggedRobot, Walker, load_legged
@@ -41,11 +40,6 @@ def demonstrate(robot: str, output: Path) -> None:
         Name or path.
     output : Path
         Folder for the plot and the page.
-
-    Raises
-    ------
-    RobomechError
-        A step failed; the text says which and why.
     """
     reporter, legged = Reporter(), load_legged(robot)
     walker = quickest(legged)
@@ -194,7 +188,7 @@ def _page(robot: LeggedRobot, walk: Walk, client: DemoClient, output: Path) -> s
     bases = np.column_stack([trunk[:, :2, 3], heading])
     placed = [placing(base, T, height) for base, T in zip(bases, trunk, strict=True)]
     columns |= {name: np.array([one[name] for one in placed]) for name in placed[0]}
-    moved = np.column_stack([columns[name] for name in tree.joint_names])
     keep = np.diff(times, prepend=-np.inf) > 0.0
-    motion = Motion(tree, times[keep] - times[0], moved[keep])
+    kept = {name: column[keep] for name, column in columns.items()}
+    motion = whole_motion(tree, times[keep] - times[0], kept)
     return write_motion_page(output, robot.name, "an eight", tree, motion, robot.trunk)

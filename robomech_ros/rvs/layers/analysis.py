@@ -25,9 +25,8 @@ from robomech_ros.rvs.model.solids import sphere
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.mesh_nodes import add_mesh
-from robomech_ros.rvs.page.robot_nodes import placed
+from robomech_ros.rvs.page.node_space import place_node
 from robomech_ros.rvs.page.switches import Switches
-from robomech_ros.rvs.page.tables import fact_table
 from robomech_ros.rvs.page.twist_nodes import TwistNodes
 from robomech_ros.spatial.arrays import as_choice
 
@@ -61,7 +60,7 @@ class AnalysisLayer(Layer):
         self._asked_for_facts, self._goes = False, False
         self._asked_at: Any = None
         self._nodes: dict[str, Any] = {}
-        self._arrows = TwistNodes(place.server.scene, f"{place.base}/lost_", place.seen.reach)
+        self._arrows = TwistNodes(place.space, "lost")
 
     def show(self) -> None:
         """Follow the arm."""
@@ -78,8 +77,7 @@ class AnalysisLayer(Layer):
                 search = partial(next_singularity, self._place.chain, q, length)
                 self.find("next", search, partial(setattr, self, "_next"))
         self._show_arrows(judged if self._switches["lost"] else None)
-        if self.is_open:
-            self._table.content = fact_table("understand", self._lines(judged, found))
+        self.write("understand", self._lines(judged, found))
 
     def _fill(self, folder: Folder, gui: Any) -> None:
         self._table = folder.text()
@@ -134,8 +132,7 @@ class AnalysisLayer(Layer):
             scene, name = self._place.server.scene, f"{self._place.base}/{kind}_ellipsoid"
             node = add_mesh(scene, name, sphere(1.0), COLOURS[kind], OPACITY)
             self._nodes[kind] = node
-        place = placed(drawn.pose)
-        node.position, node.wxyz = place["position"], place["wxyz"]
+        place_node(node, drawn.pose)
         node.scale = tuple(drawn.half_axes.tolist())
         node.visible = True
         return drawn

@@ -106,7 +106,7 @@ class DHTableLayer(Layer):
         self._kept["layer"] = self
         self._version, self._typed, self._degrees, self._faded = 0, False, False, False
         self._known = None if place.chain.coupling is not None else table_of(place.chain)
-        self._nodes = DHFrameNodes(place.server.scene, place.base, place.seen.reach)
+        self._nodes = DHFrameNodes(place.space)
         if self._known is not None:
             self._switches = Switches(place, {"frames": FRAMES}, self._kept["on"])
 

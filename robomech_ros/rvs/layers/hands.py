@@ -21,9 +21,8 @@ from robomech_ros.rvs.page.clients import AllControls, Controls
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.mesh_nodes import add_batch, add_mesh
-from robomech_ros.rvs.page.robot_nodes import placed
+from robomech_ros.rvs.page.node_space import NodeSpace, place_node
 from robomech_ros.rvs.page.switches import Switches
-from robomech_ros.rvs.page.tables import fact_table
 from robomech_ros.rvs.page.twist_nodes import TwistNodes
 from robomech_ros.spatial import quaternion_from_matrix
 from robomech_ros.spatial.arrays import as_choice, as_finite, as_flag
@@ -58,27 +57,15 @@ LOADS = {
 
 
 class HandScene:
-    """The nodes.
+    """The nodes, in the palm."""
 
-    Parameters
-    ----------
-    scene : viser.SceneApi
-    base : str
-        Node of the palm.
-    reach : float
-        Of the hand (m).
-    """
-
-    def __init__(self, scene: Any, base: str, reach: float) -> None:
-        self._scene, self._root, self._reach = scene, base, reach
+    def __init__(self, space: NodeSpace) -> None:
+        self._scene, self._root, self._reach = space
         self._body: Any = None
         self._held: object = None
-        self._arrows = {
-            name: TwistNodes(scene, f"{base}/{name}_", reach)
-            for name in ("force", "load", "separating")
-        }
+        self._arrows = {name: TwistNodes(space, name) for name in ("force", "load", "separating")}
         look: dict[str, Any] = {"opacity": CONE_OPACITY, "side": "double", "visible": False}
-        self._cones = add_batch(scene, f"{base}/cones", cone(1.0, 1.0), **look)
+        self._cones = add_batch(self._scene, f"{self._root}/cones", cone(1.0, 1.0), **look)
         self._touching = False
         self._shown: dict[str, tuple[TwistArrows | None, Any]] = {}
 
@@ -91,8 +78,7 @@ class HandScene:
             look: dict[str, Any] = {"side": "double", "flat_shading": hand.held.shape != "ball"}
             name, solid = f"{self._root}/object", hand.held.solid
             self._body = add_mesh(self._scene, name, solid, BODY, BODY_OPACITY, **look)
-        place = placed(hand.tip)
-        self._body.position, self._body.wxyz = place["position"], place["wxyz"]
+        place_node(self._body, hand.tip)
         self._place_cones(hand)
         self._shown = {
             "force": (_forces(hand, study), FORCE),
@@ -167,11 +153,9 @@ class HandLayer(Layer):
     label, order, expanded = "Grasp", 3.5, True
 
     def __init__(self, place: LayerContext) -> None:
-        if not isinstance(place.moved, HandView):
-            raise TypeError("the page shows no hand")
         super().__init__(place)
-        self.hand = place.moved
-        self._scene = HandScene(place.server.scene, place.base, place.seen.reach)
+        self.hand = place.robot_of(HandView)
+        self._scene = HandScene(place.space)
         self.on = dict.fromkeys(PARTS, True)
         self._studied: object = None
         self._lines: tuple[Line, ...] = ()
@@ -191,10 +175,8 @@ class HandLayer(Layer):
             self._scene.draw(self.hand, study)
             self.find("quality", partial(_quality, grasp), partial(self._know, now))
         self._scene.switch(self.on)
-        if self.is_open:
-            closure, *rest = self._lines
-            lines = [closure, self._quality, *rest, *self._legend()]
-            self._table.content = fact_table("grasp", lines)
+        closure, *rest = self._lines
+        self.write("grasp", [closure, self._quality, *rest, *self._legend()])
 
     def controls(self, client: Any) -> Controls:
         """Give a browser the folders "Grasp" and "Contacts"."""

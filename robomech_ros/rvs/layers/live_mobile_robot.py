@@ -33,19 +33,16 @@ class LiveMobileRobotLayer(LivePage):
     order, expanded = 3.5, True
 
     def __init__(self, place: LayerContext, robot: LiveMobileRobot) -> None:
-        if not isinstance(place.moved, ObservedRobot):
-            raise TypeError("the page shows no robot that runs over the ground")
         super().__init__(place, robot, (), "Commands the robot to stand; every browser may")
-        self._robot, self._followed = robot, place.moved
-        self.label = place.moved.verb.capitalize()
+        self._robot, self._followed = robot, place.robot_of(ObservedRobot)
+        self.label = self._followed.verb.capitalize()
         # It is moved by no gizmo.
         place.switch("gizmo", False)
-        scene, gui = place.server.scene, place.server.gui
-        self._trail = PathNode(scene, f"{place.base}/trail", TRAIL, place.seen.reach)
+        self._trail = PathNode(place.space, "trail", TRAIL)
         self._switches = Switches(place, {"trail": "trail"}, {"trail": True})
         self._stance: Stance | None = None
         self._support: Any = None
-        self._table = place.units.html(gui, order=0.5)
+        self._table = place.units.html(place.server.gui, order=0.5)
         robot.begin(self)
 
     # Of the page, on its thread.
@@ -60,9 +57,8 @@ class LiveMobileRobotLayer(LivePage):
     def _show_feet(self, stance: Stance) -> None:
         from robomech_ros.rvs.layers.walking import SupportNodes
 
-        place = self._place
         if self._support is None:
-            self._support = SupportNodes(place.server.scene, place.base, place.seen.reach)
+            self._support = SupportNodes(self._place.space)
         self._support.show(stance.support, stance.margin >= stance.bound)
         text = f"{stance.margin:.4f} m, kept above {stance.bound:g} m"
         gait = [("gait", stance.gait)] if stance.gait else []

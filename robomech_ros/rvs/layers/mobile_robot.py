@@ -14,7 +14,6 @@ from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.path_nodes import PathNode
 from robomech_ros.rvs.page.switches import Switches
-from robomech_ros.rvs.page.tables import fact_table
 from robomech_ros.spatial.arrays import as_flag
 
 # How often it is drawn while it moves (s), and what is made up for at most (s).
@@ -35,13 +34,10 @@ class MobileRobotLayer(Layer):
 
     def __init__(self, place: LayerContext) -> None:
         super().__init__(place)
-        if not isinstance(place.moved, MobileRobotView):
-            raise TypeError("the page shows no robot that moves over the ground")
-        self._robot = robot = place.moved
+        self._robot = robot = place.robot_of(MobileRobotView)  # type: ignore[type-abstract]
         self.label = robot.verb.capitalize()
-        scene = place.server.scene
-        self._trail = PathNode(scene, f"{place.base}/trail", TRAIL, place.seen.reach)
-        self._ahead = PathNode(scene, f"{place.base}/way_ahead", AHEAD, place.seen.reach)
+        self._trail = PathNode(place.space, "trail", TRAIL)
+        self._ahead = PathNode(place.space, "way_ahead", AHEAD)
         self._switches = Switches(place, {"trail": "trail"}, {"trail": True})
         # Whether it is to follow the command; if not, it stops.
         self._follows = False
@@ -63,8 +59,7 @@ class MobileRobotLayer(Layer):
         points = robot.trail.points
         self._trail.show(points if self._switches["trail"] else points[:0])
         self._ahead.show(robot.path_ahead())
-        if self.is_open:
-            self._table.content = fact_table(robot.kind, robot.facts())
+        self.write(robot.kind, robot.facts())
 
     def _fill(self, folder: Folder, gui: Any) -> None:
         robot, verb = self._robot, self._robot.verb

@@ -18,7 +18,6 @@ from robomech_ros.rvs.model.motion_curves import (
     motion_curves,
 )
 from robomech_ros.rvs.model.planning import JOINTS, PATH_KINDS, MadePlan, plan_between
-from robomech_ros.rvs.model.platforms.planning import plan_platform_between
 from robomech_ros.rvs.model.player import FASTEST, SLOWEST, Player
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.curves import ALL, cursor_rule, curves_picture
@@ -195,8 +194,6 @@ class MotionLayer(Layer):
             try:
                 if around is not None:
                     made = around(*ends, kind, profile)
-                elif isinstance(robot, Mechanism):
-                    made = plan_platform_between(robot, *ends, kind, profile)
                 else:
                     made = plan_between(robot, *ends, kind, profile)
             except RobomechError as error:

@@ -17,7 +17,6 @@ from robomech_ros.rvs.model.platforms.lists import (
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.switches import Switches
-from robomech_ros.rvs.page.tables import fact_table
 from robomech_ros.rvs.page.twist_nodes import TwistNodes
 from robomech_ros.spatial.arrays import as_choice
 
@@ -40,9 +39,7 @@ class PlatformLayer(Layer):
         self._list: PlatformList | None = None
         self._facts: PlatformFacts | None = None
         self._facts_at: Any = None
-        scene, base, reach = place.server.scene, place.base, place.seen.reach
-        self._lost = TwistNodes(scene, f"{base}/lost_", reach)
-        self._free = TwistNodes(scene, f"{base}/free_", reach)
+        self._lost, self._free = (TwistNodes(place.space, name) for name in ("lost", "free"))
         # At once, so that the eye holds all ghosts from the beginning.
         self._asked = (place.platform.q, self._kind, True)
         self._know(self._asked, self._found(*self._asked))
@@ -55,8 +52,7 @@ class PlatformLayer(Layer):
             self._asked = asked
             self.find("found", partial(self._found, *asked), partial(self._know, asked))
         self._show_arrows()
-        if self.is_open:
-            self._table.content = fact_table("platform", self._lines())
+        self.write("platform", self._lines())
 
     def _fill(self, folder: Folder, gui: Any) -> None:
         folder.dropdown("ghosts", LISTS, self._kind, self._list_other)

@@ -10,9 +10,9 @@ from robomech_ros.rvs.model.walking.support import Support
 from robomech_ros.rvs.model.walking.walker_view import WalkerView
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
+from robomech_ros.rvs.page.node_space import NodeSpace
 from robomech_ros.rvs.page.path_nodes import PathNode
 from robomech_ros.rvs.page.switches import Switches
-from robomech_ros.rvs.page.tables import fact_table
 from robomech_ros.spatial.arrays import as_choice
 
 # Feet that stand, and feet in the air; the border; the way to the nearest edge, safe or not.
@@ -25,22 +25,14 @@ SHOWN = "support polygon"
 
 
 class SupportNodes:
-    """The nodes.
+    """The nodes, over the ground."""
 
-    Parameters
-    ----------
-    scene : viser.SceneApi
-    base : str
-        The node of the ground.
-    reach : float
-        Of the robot (m).
-    """
-
-    def __init__(self, scene: Any, base: str, reach: float) -> None:
-        self._scene, self._name, self._size = scene, f"{base}/feet", FOOT * reach
-        self._border = PathNode(scene, f"{base}/support_polygon", BORDER, reach)
+    def __init__(self, space: NodeSpace) -> None:
+        self._scene, base, reach = space
+        self._name, self._size = f"{base}/feet", FOOT * reach
+        self._border = PathNode(space, "support_polygon", BORDER)
         self._edge_lines = {
-            safe: PathNode(scene, f"{base}/{name}", colour, reach)
+            safe: PathNode(space, name, colour)
             for safe, name, colour in ((True, "margin", SAFE), (False, "no_margin", UNSAFE))
         }
         self._feet: Any = None
@@ -81,11 +73,9 @@ class WalkingLayer(Layer):
     label, order, expanded = "Feet", 3.6, True
 
     def __init__(self, place: LayerContext) -> None:
-        if not isinstance(place.moved, WalkerView):
-            raise TypeError("the page shows no walking machine")
         super().__init__(place)
-        self._robot = place.moved
-        self._nodes = SupportNodes(place.server.scene, place.base, place.seen.reach)
+        self._robot = place.robot_of(WalkerView)
+        self._nodes = SupportNodes(place.space)
         self._switches = Switches(place, {SHOWN: SHOWN}, {SHOWN: True})
         self._gait: Any = None
 
@@ -97,10 +87,9 @@ class WalkingLayer(Layer):
             self._nodes.show(support, support.margin >= robot.bound)
         else:
             self._nodes.hide()
-        if self.is_open:
-            if self._gait.value != robot.chosen_gait:
-                self._gait.value = robot.chosen_gait
-            self._table.content = fact_table("feet", robot.support_facts())
+        if self.is_open and self._gait.value != robot.chosen_gait:
+            self._gait.value = robot.chosen_gait
+        self.write("feet", robot.support_facts())
 
     def _fill(self, folder: Folder, gui: Any) -> None:
         hint = "In which it walks on as soon as it stands"

@@ -76,8 +76,7 @@ class WorkspaceLayer(Layer):
         )
         # A map may take minutes, in which the boundary is not to wait.
         self._mapper = Worker()
-        scene, reach = place.server.scene, place.seen.reach
-        self._nodes = WorkspaceNodes(scene, place.base, reach, self._clicked)
+        self._nodes = WorkspaceNodes(place.space, self._clicked)
         self._view: SectionView | None = None
         self._refused, self._asked = "", False
         self._map: ReachMap | None = None

@@ -12,8 +12,8 @@ from robomech_ros.rvs.model.live_robot import LiveRobot
 from robomech_ros.rvs.page.clients import AllControls, Controls
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
+from robomech_ros.rvs.page.node_space import place_node
 from robomech_ros.rvs.page.panel import GIZMO
-from robomech_ros.rvs.page.robot_nodes import placed
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.tables import fact_table
 from robomech_ros.spatial import pose_from_position_quaternion
@@ -170,11 +170,8 @@ class WorldLayer(Layer):
             from robomech_ros.rvs.model.world import WorldView
             from robomech_ros.rvs.page.object_nodes import DistanceNodes, ObjectNodes
 
-            nodes, base, reach = place.server.scene, place.base, place.seen.reach
-            self._nodes = (
-                ObjectNodes(nodes, base, place.path, reach, self._clicked),
-                DistanceNodes(nodes, base, reach),
-            )
+            objects = ObjectNodes(place.space, place.path, self._clicked)
+            self._nodes = objects, DistanceNodes(place.space)
             arm.world = WorldView(scene)
         else:
             held = self._dragged
@@ -218,8 +215,7 @@ class WorldLayer(Layer):
             one = world.objects[self._dragged]
             pose = one.pose.copy()
             pose[:3, 3] += pose[:3, :3] @ objects.middle(one)
-            where = placed(pose)
-            self._gizmo.position, self._gizmo.wxyz = where["position"], where["wxyz"]
+            place_node(self._gizmo, pose)
 
     def _write(self, nearest: str, unchecked: str = "") -> None:
         if self.is_open:

@@ -1,23 +1,24 @@
-"""Plans between two remembered postures, made by our own planners."""
+"""Plans of an arm or a parallel robot between two remembered postures."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from robomech_ros.cartesian import plan_along, waypoint_path
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.parallel import Mechanism, plan_drives, plan_platform
 from robomech_ros.robots import SerialChain
+from robomech_ros.rvs.model.platforms.drive_motions import followed_motion
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory import PROFILES, nearest_turns, point_to_point
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
 from robomech_ros.typing import Array
 
-# Ways from posture to posture: all joints together, or the tip along a line.
+# Ways from posture to posture: all joints or drives together, or the tip or platform along a line.
 JOINTS, LINE = "joints", "line of the tip"
 PATH_KINDS = (JOINTS, LINE)
 # A curve is drawn by so many samples, and one at either side of each of its breaks (s).
@@ -45,16 +46,17 @@ class MadePlan(NamedTuple):
 
 
 def plan_between(
-    chain: SerialChain, start: Array, goal: Array, kind: str, profile: str
+    robot: SerialChain | Mechanism, start: Array, goal: Array, kind: str, profile: str
 ) -> MadePlan:
-    """Plan a motion from rest to rest.
+    """Plan a motion from rest to rest; of a parallel robot, in one assembly mode.
 
     Parameters
     ----------
-    chain : SerialChain
+    robot : SerialChain or Mechanism
         Of n joints, within whose limits to move.
     start, goal : ndarray, shape (n,)
-        Postures (rad or m); along a line of the tip, the pose of the goal counts.
+        Postures (rad or m), loops closed; along a line the pose of the goal counts, otherwise its
+        joints or drives.
     kind : str
         One of ``PATH_KINDS``.
     profile : str
@@ -68,60 +70,58 @@ def plan_between(
         As for the planners: limits are missing, a posture is outside them.
     """
     as_choice("way", kind, PATH_KINDS)
-    if kind == JOINTS:
-        as_choice("profile", profile, tuple(PROFILES))
-        if np.array_equal(start, goal):
-            raise BadValueError("goal", "the start", "another posture")
-        points, _ = nearest_turns([start, goal], chain.continuous)
-        trajectory = point_to_point(*points, limits=chain, profile=profile)
-        return _made(chain, trajectory, f"{profile}: {trajectory.duration:.2f} s", True)
-    T = forward_kinematics(chain, np.array([start, goal]))
-
-    def made(trajectory: PiecewiseTrajectory, sentence: str, complete: bool) -> MadePlan:
-        end = trajectory.sample(trajectory.duration).position
-        if complete and np.abs(end - goal).max() > SAME:
-            sentence += "; it ends in another posture of the goal's pose"
-        return _made(chain, trajectory, sentence, complete)
-
-    return along_line(
-        T, lambda path: plan_along(chain, path, start, profile=profile), made, profile
-    )
+    if kind == LINE:
+        return _along_line(robot, start, goal, profile)
+    as_choice("profile", profile, tuple(PROFILES))
+    if isinstance(robot, Mechanism):
+        return _by_drives(robot, start, goal, profile)
+    if np.array_equal(start, goal):
+        raise BadValueError("goal", "the start", "another posture")
+    (begin, end), _ = nearest_turns([start, goal], robot.continuous)
+    trajectory = point_to_point(begin, end, limits=robot, profile=profile)
+    return _made(robot, trajectory, start, end, f"{profile}: {trajectory.duration:.2f} s")
 
 
-def along_line(
-    T: Array,
-    plan_path: Callable[[Any], Any],
-    made: Callable[[PiecewiseTrajectory, str, bool], MadePlan],
-    profile: str,
+def _by_drives(mechanism: Mechanism, start: Array, goal: Array, profile: str) -> MadePlan:
+    """Move the drives together; the others follow."""
+    points = np.stack([start, goal])[:, mechanism.drive_index]
+    if np.array_equal(points[0], points[1]):
+        raise BadValueError("goal", "the drives of the start", "other drives")
+    plan = plan_drives(mechanism, points, start, profile=profile)
+    times, stop = plan.sampled.waypoints.times, plan.way.stop
+    if stop is not None:
+        at = times[max(stop - 1, 0)]
+        why = f"It would stop {at:.2f} s after its start, of {times[-1]:.2f} s: {plan.way.reason}"
+        return MadePlan(None, why, False)
+    trajectory = plan.sampled.trajectory
+    return _made(mechanism, trajectory, start, goal, f"{profile}: {trajectory.duration:.2f} s")
+
+
+def _along_line(
+    robot: SerialChain | Mechanism, start: Array, goal: Array, profile: str
 ) -> MadePlan:
-    """Plan along the line between two poses, as far as it can be followed.
-
-    Parameters
-    ----------
-    T : ndarray, shape (2, 4, 4)
-        In the base (m).
-    plan_path : callable
-        Plans along a path.
-    made : callable
-        Gives the plan for a trajectory, what is said of it, and whether it arrives.
-    profile : str
-    """
+    """Move tip or platform along the line to the pose of the goal, as far as it can follow."""
+    ends = np.stack([start, goal])
+    T = forward_kinematics(robot, ends) if isinstance(robot, SerialChain) else robot.pose(ends)
     try:
         path = waypoint_path(T[0], T[1:])
     except BadValueError as error:
         raise BadValueError(_of_goal(error.what), error.value, error.expected) from None
     if path is None:
         raise BadValueError("goal", "the pose of the start", "another pose")
-    plan = plan_path(path)
+    if isinstance(robot, SerialChain):
+        plan = plan_along(robot, path, start, profile=profile)
+    else:
+        plan = plan_platform(robot, path, start, profile=profile)
     trajectory = plan.trajectory
     if trajectory is None or plan.stop is not None:
         why = _of_goal(plan.stop.text) if plan.stop is not None else "the path does not begin"
         sentence = f"Followed to {plan.fraction:.0%}: {why}"
         if trajectory is None or not trajectory.duration > 0.0:
             return MadePlan(None, sentence, False)
-        return made(trajectory, sentence, False)
+        return _made(robot, trajectory, start, None, sentence)
     sentence = f"{profile} along {path.length:.3f} m: {trajectory.duration:.2f} s"
-    return made(trajectory, sentence, True)
+    return _made(robot, trajectory, start, goal, sentence)
 
 
 def _of_goal(text: str) -> str:
@@ -142,8 +142,20 @@ def sample_times(trajectory: PiecewiseTrajectory) -> Array:
 
 
 def _made(
-    chain: SerialChain, trajectory: PiecewiseTrajectory, sentence: str, complete: bool
+    robot: SerialChain | Mechanism,
+    trajectory: PiecewiseTrajectory,
+    start: Array,
+    goal: Array | None,
+    sentence: str,
 ) -> MadePlan:
+    """Return the plan of a trajectory; the goal is None if it ends before."""
     times = sample_times(trajectory)
     q, *rates = trajectory.sample(times)
-    return MadePlan(Motion(chain, times, q, (), *rates), sentence, complete)
+    if isinstance(robot, SerialChain):
+        motion, other = Motion(robot, times, q, (), *rates), "another posture of the goal's pose"
+    else:
+        motion = followed_motion(robot, times, q, *rates[:2], start)
+        other = "another assembly mode, or with other limbs, than the goal"
+    if goal is not None and np.abs(motion.q[-1] - goal).max() > SAME:
+        sentence += f"; it ends in {other}"
+    return MadePlan(motion, sentence, goal is not None)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from robomech_ros.rvs.model.dh_frames import DHFrames
+from robomech_ros.rvs.page.node_space import NodeSpace
 from robomech_ros.typing import Array
 
 # Length of a triad, and widths of lines, in the reach of the robot.
@@ -16,19 +17,10 @@ _AXIS, _OFFSET, _NORMAL = (130, 130, 130), (120, 80, 200), (240, 140, 30)
 
 
 class DHFrameNodes:
-    """The frames of one arm, made when they are first shown.
+    """The frames of one arm, made when they are first shown."""
 
-    Parameters
-    ----------
-    scene : viser.SceneApi
-    base : str
-        Node at the base of the arm.
-    reach : float
-        Of the robot (m).
-    """
-
-    def __init__(self, scene: Any, base: str, reach: float) -> None:
-        self._scene, self._path, self._reach = scene, f"{base}/dh", reach
+    def __init__(self, space: NodeSpace) -> None:
+        self._scene, self._path, self._reach = space.scene, f"{space.base}/dh", space.reach
         self._lines: dict[str, Any] = {}
         self._labels: list[Any] = []
 

@@ -11,6 +11,7 @@ from robomech_ros.rvs.model.ghosts import GhostMaker, Rgb
 from robomech_ros.rvs.model.postures import MOST_POSTURES
 from robomech_ros.rvs.model.solids import cylinder
 from robomech_ros.rvs.page.mesh_nodes import add_batch
+from robomech_ros.rvs.page.node_space import NodeSpace
 from robomech_ros.typing import Array
 
 OPACITY = 0.45
@@ -75,25 +76,16 @@ class GhostBatch:
 
 
 class GhostNodes:
-    """The ghosts of a robot.
+    """The ghosts of a robot."""
 
-    Parameters
-    ----------
-    scene : viser.SceneApi
-    parent : str
-        Node at the base of the arm.
-    ghosts : GhostMaker
-    reach : float
-        Of the robot (m).
-    """
-
-    def __init__(self, scene: Any, parent: str, ghosts: GhostMaker, reach: float) -> None:
+    def __init__(self, space: NodeSpace, ghosts: GhostMaker) -> None:
+        scene, base, reach = space
         self._ghosts, self._together = ghosts, TOGETHER * reach
         self._shown: Sequence[Ghost] = ()
         self._wanted = True
-        self._batch = GhostBatch(scene, f"{parent}/ghosts", ghosts, OPACITY)
+        self._batch = GhostBatch(scene, f"{base}/ghosts", ghosts, OPACITY)
         self._labels = [
-            scene.add_label(f"{parent}/numbers/{k}", "", visible=False, anchor="center-center")
+            scene.add_label(f"{base}/numbers/{k}", "", visible=False, anchor="center-center")
             for k in range(MOST_POSTURES)
         ]
 

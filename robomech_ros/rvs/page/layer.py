@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 from robomech_ros.robots import RobotDescription, SerialChain
 from robomech_ros.rvs.model.arm import ArmView
@@ -15,10 +15,14 @@ from robomech_ros.rvs.model.visual_model import VisualModel
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.folder import Folder
+from robomech_ros.rvs.page.node_space import NodeSpace
 from robomech_ros.rvs.page.robot_nodes import RobotNodes
+from robomech_ros.rvs.page.tables import fact_table
 from robomech_ros.rvs.page.units import Units
 from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.typing import Array
+
+Robot = TypeVar("Robot", bound=DraggableRobot)
 
 
 class Ask(Protocol):
@@ -147,12 +151,21 @@ class LayerContext:
     extents: dict[str, Callable[[], Array]] = field(default_factory=dict)
     followers: list[Callable[[Mapping[str, float]], None]] = field(default_factory=list)
 
+    def robot_of(self, kind: type[Robot]) -> Robot:
+        """Return what is moved; a TypeError if it is of another class."""
+        if not isinstance(self.moved, kind):
+            raise TypeError(f"the page shows a {type(self.moved).__name__}, no {kind.__name__}")
+        return self.moved
+
+    @property
+    def space(self) -> NodeSpace:
+        """Where nodes go that move with the base of the arm."""
+        return NodeSpace(self.server.scene, self.base, self.seen.reach)
+
     @property
     def arm(self) -> ArmView:
-        """Arm that is moved; raises TypeError if the page shows no arm."""
-        if not isinstance(self.moved, ArmView):
-            raise TypeError("the page shows no arm")
-        return self.moved
+        """Arm that is moved."""
+        return self.robot_of(ArmView)
 
     @property
     def jogged(self) -> SerialChain | None:
@@ -161,10 +174,8 @@ class LayerContext:
 
     @property
     def platform(self) -> PlatformView:
-        """Parallel robot that is moved; raises TypeError if the page shows none."""
-        if not isinstance(self.moved, PlatformView):
-            raise TypeError("the page shows no parallel robot")
-        return self.moved
+        """Parallel robot that is moved."""
+        return self.robot_of(PlatformView)
 
     @property
     def chain(self) -> SerialChain:
@@ -211,6 +222,11 @@ class Layer:
 
     def _fill(self, folder: Folder, gui: Any) -> None:
         """Add the controls to a folder of a browser (viser.GuiApi)."""
+
+    def write(self, name: str, facts: Sequence[tuple[str, str]]) -> None:
+        """Write facts into the table of the folder, if a browser has it."""
+        if self.is_open:
+            self._table.content = fact_table(name, facts)
 
     def close(self) -> None:
         """Stop what runs; nodes go with the server."""

@@ -11,7 +11,8 @@ from robomech_ros.collision import Clearance, SceneObject
 from robomech_ros.rvs.model.object_solids import ObjectPart, middle_of, parts_of
 from robomech_ros.rvs.model.solids import sphere
 from robomech_ros.rvs.page.mesh_nodes import add_batch, add_mesh
-from robomech_ros.rvs.page.robot_nodes import MARKED, placed
+from robomech_ros.rvs.page.node_space import NodeSpace, place_node, placed
+from robomech_ros.rvs.page.robot_nodes import MARKED
 from robomech_ros.typing import Array
 
 # Colours of standing objects and of those that links carry; opacity of planes.
@@ -39,27 +40,22 @@ class ObjectNodes:
 
     Parameters
     ----------
-    scene : viser.SceneApi
-    base : str
-        Node at the base of the arm.
+    space : NodeSpace
+        At the base of the arm.
     path_of : callable
         Gives the name of the node of a link.
-    reach : float
-        Reach of the robot (m).
     clicked : callable, optional
         Called with the browser (viser.ClientHandle) and the name of an object that it clicks on.
     """
 
     def __init__(
         self,
-        scene: Any,
-        base: str,
+        space: NodeSpace,
         path_of: Callable[[str], str],
-        reach: float,
         clicked: Callable[[Any, str], None] | None = None,
     ) -> None:
-        self._scene, self._base, self._path_of = scene, base, path_of
-        self._side, self._clicked = SIDE * reach, clicked
+        self._scene, self._base, reach = space
+        self._path_of, self._clicked, self._side = path_of, clicked, SIDE * reach
         self._drawn: dict[str, _DrawnObject] = {}
         # Nodes get names of their own: those of objects may contain anything.
         self._count = 0
@@ -103,8 +99,7 @@ class ObjectNodes:
                 before.frame.remove()
             return self._added(one, parts, marked)
         if not np.array_equal(before.one.pose, one.pose):
-            where = placed(one.pose)
-            before.frame.position, before.frame.wxyz = where["position"], where["wxyz"]
+            place_node(before.frame, one.pose)
         if before.marked != marked:
             for node in before.bodies:
                 node.color = _colour(one, marked)
@@ -149,18 +144,10 @@ def _look_alike(before: _DrawnObject, one: SceneObject, parts: tuple[ObjectPart,
 
 
 class DistanceNodes:
-    """A line between the two nearest bodies, with their distance.
+    """A line between the two nearest bodies, with their distance."""
 
-    Parameters
-    ----------
-    scene : viser.SceneApi
-    base : str
-        Node at the base of the arm.
-    reach : float
-        Reach of the robot (m).
-    """
-
-    def __init__(self, scene: Any, base: str, reach: float) -> None:
+    def __init__(self, space: NodeSpace) -> None:
+        scene, base, reach = space
         points = np.zeros((1, 2, 3), dtype=np.float32)
         name, hidden = f"{base}/nearest", {"visible": False}
         self._line = scene.add_line_segments(

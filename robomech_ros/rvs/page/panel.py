@@ -10,7 +10,7 @@ import numpy as np
 
 from robomech_ros.rvs.model.draggable import DraggableRobot
 from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.robot_nodes import placed
+from robomech_ros.rvs.page.node_space import place_node, placed
 from robomech_ros.rvs.page.surroundings import set_theme
 from robomech_ros.rvs.page.tables import TAKE, short_name
 from robomech_ros.rvs.page.units import STEP, Units
@@ -171,8 +171,7 @@ class Panel:
             if source != joint:
                 slider.value = float(arm.values[joint])
         if not self._held:
-            place = placed(arm.target)
-            self._gizmo.position, self._gizmo.wxyz = place["position"], place["wxyz"]
+            place_node(self._gizmo, arm.target)
             if self._self_motion is not None and source != "self-motion":
                 curve = arm.self_motion()
                 if curve is not None:

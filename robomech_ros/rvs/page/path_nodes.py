@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.ghosts import Rgb
+from robomech_ros.rvs.page.node_space import NodeSpace
 from robomech_ros.typing import Array
 
 # Width of the line, in the reach of the robot.
@@ -19,17 +20,15 @@ class PathNode:
 
     Parameters
     ----------
-    scene : viser.SceneApi
+    space : NodeSpace
     name : str
         Of the node.
     colour : tuple of three int
-    reach : float
-        Of the robot (m).
     """
 
-    def __init__(self, scene: Any, name: str, colour: Rgb, reach: float) -> None:
-        self._width = WIDTH * reach
-        self._scene, self._name, self._colour = scene, name, colour
+    def __init__(self, space: NodeSpace, name: str, colour: Rgb) -> None:
+        self._scene, self._width = space.scene, WIDTH * space.reach
+        self._name, self._colour = f"{space.base}/{name}", colour
         self._node: Any = None
         self._shown: NDArray[np.float32] | None = None
 

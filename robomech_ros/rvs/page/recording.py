@@ -19,6 +19,7 @@ from robomech_ros.rvs.model.visual_model import VisualModel, load_visual_model
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.ghost_nodes import Ghost, GhostNodes
 from robomech_ros.rvs.page.marker_nodes import MarkerNodes
+from robomech_ros.rvs.page.node_space import NodeSpace
 from robomech_ros.rvs.page.path_nodes import PathNode
 from robomech_ros.rvs.page.robot_nodes import RobotNodes
 from robomech_ros.rvs.page.scene import BASE, add_base
@@ -99,8 +100,9 @@ def _recorded(
     robot = RobotNodes(server.scene, seen)
     base, maker = _base_and_ghosts(seen, chain)
     add_base(server.scene, seen, base)
-    ghosts = GhostNodes(server.scene, BASE, maker, seen.reach)
-    PathNode(server.scene, f"{robot.path(seen.tree.root)}/trail", TRAIL, seen.reach).show(path)
+    space = NodeSpace(server.scene, BASE, seen.reach)
+    ghosts = GhostNodes(space, maker)
+    PathNode(space._replace(base=robot.path(seen.tree.root)), "trail", TRAIL).show(path)
     not_taken = [posture.q for choice in motion.choices for posture in choice.others]
 
     def named(posture: Array) -> dict[str, float]:
@@ -112,7 +114,7 @@ def _recorded(
         # Without objects the collision library is not loaded.
         from robomech_ros.rvs.page.object_nodes import ObjectNodes
 
-        nodes = ObjectNodes(server.scene, BASE, robot.path, seen.reach)
+        nodes = ObjectNodes(space, robot.path)
         nodes.show(objects, ())
         points.append(nodes.corners(seen.tree.link_poses(at_first), base))
     place_camera(server, np.vstack(points))

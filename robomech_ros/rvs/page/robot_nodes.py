@@ -12,7 +12,7 @@ from robomech_ros.robots.joint import rotation_from_z
 from robomech_ros.rvs.model.solids import cylinder
 from robomech_ros.rvs.model.visual_model import Colour, VisualModel
 from robomech_ros.rvs.page.mesh_nodes import add_mesh
-from robomech_ros.spatial import position_quaternion_from_pose
+from robomech_ros.rvs.page.node_space import placed
 from robomech_ros.typing import Array
 
 ROOT = "/robot"
@@ -24,12 +24,6 @@ AXIS_COLOUR = (250, 200, 30)
 FADED = 0.3
 # Of bodies that are in the way.
 MARKED = (220, 40, 40)
-
-
-def placed(T: Array) -> dict[str, Array]:
-    """Return a pose (4, 4) as the position and the quaternion of a node, scalar first."""
-    position, quaternion = position_quaternion_from_pose(T)
-    return {"position": position, "wxyz": np.roll(quaternion, 1)}
 
 
 class RobotNodes:

@@ -9,7 +9,8 @@ from robomech_ros.rvs.model.draggable import DraggableRobot
 from robomech_ros.rvs.model.ghosts import PALETTE
 from robomech_ros.rvs.model.visual_model import VisualModel
 from robomech_ros.rvs.page.ghost_nodes import Ghost, GhostNodes
-from robomech_ros.rvs.page.robot_nodes import MARKED, RobotNodes, placed
+from robomech_ros.rvs.page.node_space import NodeSpace, placed
+from robomech_ros.rvs.page.robot_nodes import MARKED, RobotNodes
 from robomech_ros.rvs.page.surroundings import add_surroundings
 from robomech_ros.rvs.page.tables import notice, posture_table, summary
 from robomech_ros.rvs.page.units import Units
@@ -42,7 +43,7 @@ class PageScene:
             self._ground = add_surroundings(server, max(seen.reach, 0.5 * moved.room))
             self._robot = self._arm = RobotNodes(scene, seen)
             add_base(scene, seen, moved.base)
-            self.ghosts = GhostNodes(scene, BASE, moved.ghosts(seen), seen.reach)
+            self.ghosts = GhostNodes(NodeSpace(scene, BASE, seen.reach), moved.ghosts(seen))
             self._summary = units.html(gui, order=0)
             self._notice = units.html(gui, order=1)
             self._table = gui.add_html("", order=2)

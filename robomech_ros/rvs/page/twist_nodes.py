@@ -8,6 +8,7 @@ import numpy as np
 
 from robomech_ros.rvs.model.analysis import TwistArrows
 from robomech_ros.rvs.model.ghosts import Rgb
+from robomech_ros.rvs.page.node_space import NodeSpace
 
 # Widths of arrows, in reaches of the robot.
 SHAFT, HEAD, HEAD_LENGTH = 0.007, 0.02, 0.05
@@ -18,15 +19,13 @@ class TwistNodes:
 
     Parameters
     ----------
-    scene : viser.SceneApi
+    space : NodeSpace
     name : str
-        Of the nodes, to which ``linear`` and ``angular`` are added.
-    reach : float
-        Of the robot (m).
+        Of the nodes, to which ``_linear`` and ``_angular`` are added.
     """
 
-    def __init__(self, scene: Any, name: str, reach: float) -> None:
-        self._scene, self._name, self._reach = scene, name, reach
+    def __init__(self, space: NodeSpace, name: str) -> None:
+        self._space, self._name = space, f"{space.base}/{name}"
         self._nodes: dict[str, Any] = {}
 
     def show(self, arrows: TwistArrows | None, colours: tuple[Rgb, Rgb]) -> None:
@@ -45,9 +44,9 @@ class TwistNodes:
             node.colors = np.full((len(ends), 3), colours[k], dtype=np.uint8)
 
     def _add(self, part: str, colour: Rgb) -> Any:
-        reach = self._reach
-        return self._scene.add_arrows(
-            f"{self._name}{part}",
+        reach = self._space.reach
+        return self._space.scene.add_arrows(
+            f"{self._name}_{part}",
             np.zeros((1, 2, 3)),
             colour,
             shaft_radius=SHAFT * reach,

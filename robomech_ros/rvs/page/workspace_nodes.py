@@ -11,7 +11,7 @@ from robomech_ros.rvs.model.reach_points import ReachPoints
 from robomech_ros.rvs.model.solids import box
 from robomech_ros.rvs.model.workspace_views import SectionView
 from robomech_ros.rvs.page.mesh_nodes import add_batch, add_mesh
-from robomech_ros.rvs.page.robot_nodes import placed
+from robomech_ros.rvs.page.node_space import NodeSpace, place_node
 from robomech_ros.typing import Array
 
 SURFACE_COLOUR, OPACITY = (60, 130, 200), 0.16
@@ -27,19 +27,14 @@ class WorkspaceNodes:
 
     Parameters
     ----------
-    scene : viser.SceneApi
-    base : str
-        Node at the base of the arm.
-    reach : float
-        Of the robot (m).
+    space : NodeSpace
     clicked : callable
         Gets the browser (viser.ClientHandle) and the place (3,) of a point that is clicked (m).
     """
 
-    def __init__(
-        self, scene: Any, base: str, reach: float, clicked: Callable[[Any, Array], None]
-    ) -> None:
-        self._scene, self._base, self._reach, self._clicked = scene, base, reach, clicked
+    def __init__(self, space: NodeSpace, clicked: Callable[[Any, Array], None]) -> None:
+        self._scene, self._base, self._reach = space
+        self._clicked = clicked
         self._curves: Any = None
         self._surface: Any = None
         self._points: Any = None
@@ -81,8 +76,7 @@ class WorkspaceNodes:
     def place_section(self, T: Array) -> None:
         """Turn, or slide, the section to the pose (4, 4) of its plane in the base (m)."""
         if self._curves is not None:
-            place = placed(T)
-            self._curves.position, self._curves.wxyz = place["position"], place["wxyz"]
+            place_node(self._curves, T)
 
     def show_points(self, shown: ReachPoints) -> None:
         """Show points of a map, in place of those before."""

@@ -77,7 +77,7 @@ def drags(server: Served) -> list[float]:
 
     from robomech_ros.robots import load_robot
     from robomech_ros.rvs.model.arm import ArmView
-    from robomech_ros.rvs.page.robot_nodes import placed
+    from robomech_ros.rvs.page.node_space import placed
 
     pack = msgspec.msgpack.encode
     place = placed(ArmView(load_robot(ROBOT)).tip)

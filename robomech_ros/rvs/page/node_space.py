@@ -1,0 +1,39 @@
+"""Where parts of a page put their nodes, and poses of nodes."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from robomech_ros.spatial import position_quaternion_from_pose
+from robomech_ros.typing import Array
+
+
+class NodeSpace(NamedTuple):
+    """Where nodes go.
+
+    Attributes
+    ----------
+    scene : viser.SceneApi
+    base : str
+        Node above them: the base of the arm, the palm, or the ground.
+    reach : float
+        Size of the robot (m), which sizes of nodes are parts of.
+    """
+
+    scene: Any
+    base: str
+    reach: float
+
+
+def placed(T: Array) -> dict[str, Array]:
+    """Return a pose (4, 4) as the position and the quaternion of a node, scalar first."""
+    position, quaternion = position_quaternion_from_pose(T)
+    return {"position": position, "wxyz": np.roll(quaternion, 1)}
+
+
+def place_node(node: Any, T: Array) -> None:
+    """Move a node of viser to a pose (4, 4) (m)."""
+    for name, value in placed(T).items():
+        setattr(node, name, value)
