@@ -24,23 +24,15 @@ SAFE_DOMAIN = 101
 
 
 class Finding(NamedTuple):
-    """The result of one check.
+    """The result of one check."""
 
-    Parameters
-    ----------
-    what : str
-        The thing.
-    ok : bool or None
-        Whether it is as needed; None where it is optional and not there.
-    found : str
-        What was found.
-    mend : str
-        Command or advice; empty if nothing needs mending.
-    """
-
+    #: The thing.
     what: str
+    #: Whether it is as needed; None where it is optional and not there.
     ok: bool | None
+    #: What was found.
     found: str
+    #: Command or advice; empty if nothing needs mending.
     mend: str = ""
 
 

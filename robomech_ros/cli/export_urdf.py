@@ -40,21 +40,11 @@ def run(args: argparse.Namespace) -> int:
 def describe(robot: str) -> tuple[RobotDescription, str]:
     """Describe a robot as its nodes do, and say what a tree does not tell.
 
-    Parameters
-    ----------
-    robot : str
-        A name, the path of a file, or the text of a document.
+    - ``robot``: a name, the path of a file, or the text of a document.
 
-    Returns
-    -------
-    description : RobotDescription
-    lost : str
-        What of the robot is not in it; empty for nothing.
+    Returns the description, and what of the robot is not in it; empty for nothing.
 
-    Raises
-    ------
-    RobomechError
-        There is no such robot, or its document cannot be used.
+    Raises RobomechError: there is no such robot, or its document cannot be used.
     """
     check_name(robot, (ARM, *KINDS))
     kind = kind_of(robot)

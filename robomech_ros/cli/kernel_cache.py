@@ -16,10 +16,7 @@ KEPT = 3
 def compiled(cache: Path) -> set[str]:
     """Return the digests of the modules whose kernels were all compiled once, and are still kept.
 
-    Parameters
-    ----------
-    cache : Path
-        Where kernels are kept.
+    - ``cache``: where kernels are kept.
     """
     with contextlib.suppress(OSError):
         return {digest for note in (cache / _USERS).iterdir() for digest in _listed(_states(note))}
@@ -34,19 +31,11 @@ def prune(cache: Path, installation: Path, digests: Iterable[str]) -> list[Path]
     what none ever named, of an installation whose nodes compile their kernels themselves. A
     process that runs an earlier state has its kernels in memory.
 
-    Parameters
-    ----------
-    cache : Path
-        Where kernels are kept.
-    installation : Path
-        Where the sources are installed.
-    digests : iterable of str
-        Those of the modules as they are, whose kernels are in the cache.
+    - ``cache``: where kernels are kept.
+    - ``installation``: where the sources are installed.
+    - ``digests``: those of the modules as they are, whose kernels are in the cache.
 
-    Returns
-    -------
-    list of Path
-        What was taken away.
+    Returns the files that were removed.
     """
     note = cache / _USERS / hashlib.sha256(str(installation).encode()).hexdigest()[:16]
     state = " ".join(sorted(digests))

@@ -16,12 +16,9 @@ class OptionRefusedError(RobomechError):
 def note_kinds(parser: argparse.ArgumentParser, refused: Mapping[str, Iterable[str]]) -> None:
     """Say in the help of options for which kinds of robots they are.
 
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        With all its options.
-    refused : mapping of str to iterable of str
-        For each kind but arms, by what several such robots are called, the options without use.
+    - ``parser``: with all its options.
+    - ``refused``: for each kind but arms, by what several such robots are called, the options
+      without use.
     """
     for action in parser._actions:
         others = [called for called, names in refused.items() if action.dest in {*names}]
@@ -41,23 +38,13 @@ def refuse_options(
 ) -> None:
     """Refuse options that robots of a kind have no use for.
 
-    Parameters
-    ----------
-    args : argparse.Namespace
-        What was given.
-    refused : iterable of str
-        Names of the options in it.
-    robot : str
-        As it was given.
-    called : str
-        What such a robot is, with its article.
-    unused : iterable of str, optional
-        Options that change nothing for such robots, and are not refused.
+    - ``args``: what was given.
+    - ``refused``: names of the options in it.
+    - ``robot``: as it was given.
+    - ``called``: what such a robot is, with its article.
+    - ``unused``: options that change nothing for such robots, and are not refused.
 
-    Raises
-    ------
-    OptionRefusedError
-        It names the option, the kind, and the options that apply.
+    Raises OptionRefusedError: it names the option, the kind, and the options that apply.
     """
     others = tuple(refused)
     given = next((name for name in others if getattr(args, name, None)), "")

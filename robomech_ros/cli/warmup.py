@@ -89,14 +89,9 @@ def warm(
 ) -> None:
     """Compile kernels, or load them from the cache.
 
-    Parameters
-    ----------
-    modules : iterable of str, optional
-        Modules with kernels; default all.
-    silent : bool, optional
-        Say nothing.
-    silent_if_quick : bool, optional
-        Say nothing where hardly anything had to be compiled.
+    - ``modules``: modules with kernels; default all.
+    - ``silent``: say nothing.
+    - ``silent_if_quick``: say nothing where hardly anything had to be compiled.
     """
     # Numba is slow to load, and most commands do not need it.
     from robomech_ros._kernels.compiling.cache import cache_directory

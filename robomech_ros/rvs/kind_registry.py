@@ -17,18 +17,12 @@ PARALLEL = "parallel"
 
 
 class ViewKind(NamedTuple):
-    """How robots of a kind are shown.
+    """How robots of a kind are shown."""
 
-    Parameters
-    ----------
-    layers : tuple of str
-        Modules and classes in ``rvs.layers``, in the order of their folders on the page.
-    loader : str, optional
-        Module and function in ``rvs.model``, which gives a :class:`TreeView` for a name, path or
-        text; none for arms and parallel robots.
-    """
-
+    #: Modules and classes in ``rvs.layers``, in the order of their folders on the page.
     layers: tuple[str, ...]
+    #: Module and function in ``rvs.model``, which gives a :class:`TreeView` for a name, path or
+    #: text; none for arms and parallel robots.
     loader: str = ""
 
     def load(self, robot: str | os.PathLike[str]) -> TreeView:

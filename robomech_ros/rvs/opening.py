@@ -129,17 +129,9 @@ def shown_robot(
 ) -> tuple[RobotDescription, DraggableRobot | None]:
     """Load a robot to be shown; errors are those of :func:`view`.
 
-    Parameters
-    ----------
-    robot : str or path
-    refuse : callable, optional
-        Called with the kind of a robot that is no arm, before it is loaded; may raise.
+    - ``refuse``: called with the kind of a robot that is no arm, before it is loaded; may raise.
 
-    Returns
-    -------
-    description : RobotDescription
-    moved : DraggableRobot or None
-        What moves on the page; None of an arm, of which a chain is chosen.
+    Returns the description, and what moves on the page; None of an arm, of which a chain is chosen.
     """
     check_name(robot, VIEW_KINDS)
     kind = kind_of(robot)
@@ -170,16 +162,9 @@ def page_of(
 ) -> RobotPage:
     """Serve the page of a robot; other parameters and errors are those of :func:`view`.
 
-    Parameters
-    ----------
-    description : RobotDescription
-    moved : SerialChain or DraggableRobot
-        The arm of it that moves on the page; or all of it.
-    port, host : int, str
-    live : sequence of LayerMaker, optional
-        Layers of a robot that runs, before the others; no other robot can then be shown.
-    scene : PlanningScene, optional
-        The objects around the arm, which is the chain of the scene.
+    - ``moved``: the arm of it that moves on the page; or all of it.
+    - ``live``: layers of a robot that runs, before the others; no other robot can then be shown.
+    - ``scene``: the objects around the arm, which is the chain of the scene.
     """
     require_viser()
     from robomech_ros.rvs.layers.gripper import GripperLayer
@@ -206,14 +191,8 @@ def live_page_of(
 ) -> RobotPage:
     """Serve the page of a robot that runs; parameters and errors are those of :func:`view`.
 
-    Parameters
-    ----------
-    description : RobotDescription
-    moved : SerialChain, StewartGough, Delta, ... or Mechanism
-        The arm of it that is commanded; or the whole of it, if it is parallel.
-    robot : LiveRobot
-        Carries out what the page asks for, and tells it how the robot is.
-    port, host : int, str
+    - ``moved``: the arm of it that is commanded; or the whole of it, if it is parallel.
+    - ``robot``: carries out what the page asks for, and tells it how the robot is.
     """
     require_viser()
     from robomech_ros.rvs.layers.gripper import GripperLayer
@@ -231,12 +210,7 @@ def mobile_page_of(
 ) -> RobotPage:
     """Serve the page of a robot that runs over the ground; errors are those of :func:`view`.
 
-    Parameters
-    ----------
-    followed : ObservedRobot
-    robot : LiveMobileRobot
-        Carries out what the page asks for, and tells it how the robot is.
-    port, host : int, str
+    - ``robot``: carries out what the page asks for, and tells it how the robot is.
     """
     require_viser()
     from robomech_ros.rvs.layers.camera import CameraLayer

@@ -36,16 +36,10 @@ def demonstrate_calibration(
 ) -> None:
     """Find a simulated camera with a simulated robot, and tell how near the truth that is.
 
-    Parameters
-    ----------
-    robot : str
-        Name or path.
-    calibration_type : str
-        ``"eye_in_hand"`` or ``"eye_on_base"``.
-    noise : tuple of float
-        Deviation of each coordinate of the camera's rotations (rad) and positions (m).
-    output : Path
-        Folder for the picture and the files of the calibration.
+    - ``robot``: name or path.
+    - ``calibration_type``: ``"eye_in_hand"`` or ``"eye_on_base"``.
+    - ``noise``: deviation of each coordinate of the camera's rotations (rad) and positions (m).
+    - ``output``: folder for the picture and the files of the calibration.
     """
     reporter = Reporter()
     which = Which(robot)

@@ -55,18 +55,12 @@ _MAX_SQUARED_DISTANCE = 100.0
 
 @dataclass(frozen=True, eq=False)
 class Progress:
-    """Calibration result after a number of samples.
-
-    Attributes
-    ----------
-    error : ndarray, shape (6,)
-        Of the camera's pose against the truth, as pose_error has it (rad, m).
-    covariance : ndarray, shape (6, 6)
-        As stated, rotation first.
-    """
+    """Calibration result after a number of samples."""
 
     count: int
+    #: Of the camera's pose against the truth, as pose_error has it (rad, m), shape (6,).
     error: Array
+    #: As stated, rotation first, shape (6, 6).
     covariance: Array
 
     @property
@@ -84,17 +78,10 @@ class Progress:
 class CalibrationTask:
     """Moves the arm to where samples tell most, and has the camera found.
 
-    Parameters
-    ----------
-    client : DemoClient
-        Connected to the running suite.
-    scene : Scene
-        The truth, to compare with.
+    - ``client``: connected to the running suite.
+    - ``scene``: the truth, to compare with.
 
-    Attributes
-    ----------
-    answer : SolveCalibration.Response or None
-        The last.
+    - ``answer``: the last.
     """
 
     def __init__(

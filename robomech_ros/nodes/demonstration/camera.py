@@ -33,23 +33,15 @@ _MISTAKE = (0.0, 0.0, 0.5 * np.pi, 0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Poses of camera and target.
+    """Poses of camera and target."""
 
-    Attributes
-    ----------
-    in_hand : bool
-        Whether the camera is on the hand, and the target stands; else the other way round.
-    camera : ndarray, shape (4, 4)
-        In the hand, or in the base.
-    target : ndarray, shape (4, 4)
-        In the base, or in the hand.
-    centre : ndarray, shape (3,)
-        In the base: what the hand is best turned about to keep the target in view.
-    """
-
+    #: Whether the camera is on the hand, and the target stands; else the other way round.
     in_hand: bool
+    #: In the hand, or in the base, shape (4, 4).
     camera: Array
+    #: In the base, or in the hand, shape (4, 4).
     target: Array
+    #: In the base, shape (3,): what the hand is best turned about to keep the target in view.
     centre: Array
 
     def seen(self, hand: Array) -> Array:
@@ -75,19 +67,11 @@ def scene_of(chain: SerialChain, q: Array, in_hand: bool) -> Scene:
 class SimulatedCamera:
     """Looks at the joint states, and tells tf or a topic where the target is.
 
-    Parameters
-    ----------
-    client : DemoClient
-        Hears the joints, and speaks.
-    noise : tuple of float
-        Deviation of each coordinate of its rotations (rad) and positions (m).
-    on_tf : bool
-        Whether it speaks on /tf; else on topics, the hand's pose, too.
+    - ``client``: hears the joints, and speaks.
+    - ``noise``: deviation of each coordinate of its rotations (rad) and positions (m).
+    - ``on_tf``: whether it speaks on /tf; else on topics, the hand's pose, too.
 
-    Attributes
-    ----------
-    mistaken : bool
-        Whether it takes the target for one that is turned by 90 degrees.
+    - ``mistaken``: whether it takes the target for one that is turned by 90 degrees.
     """
 
     def __init__(

@@ -28,12 +28,8 @@ _SERVICES = {
 def demonstrate_capture(which: Which, output: Path) -> None:
     """Capture a free body with an arm on a floating base, and prove it.
 
-    Parameters
-    ----------
-    which : Which
-        The robot, and what of it moves.
-    output : Path
-        Folder for the plot and the page.
+    - ``which``: the robot, and what of it moves.
+    - ``output``: folder for the plot and the page.
     """
     reporter = Reporter()
     chain, description = chain_with_limits(which, reporter.say), load_description(which.robot)

@@ -36,20 +36,14 @@ _PATIENCE = 30.0
 class States(NamedTuple):
     """States of the robot.
 
-    Attributes
-    ----------
-    t : ndarray, shape (m,)
-        Times of the recording (s).
-    poses : ndarray, shape (m, 4, 4)
-        Base in the inertial frame (m).
-    twists : ndarray, shape (m, 6)
-        Of the base, in its axes.
-    q, qd : ndarray, shape (m, n)
-        Joint values and rates.
+    - ``q``, ``qd``: joint values and rates, shape (m, n).
     """
 
+    #: Times of the recording (s), shape (m,).
     t: Array
+    #: Base in the inertial frame (m), shape (m, 4, 4).
     poses: Array
+    #: Of the base, in its axes, shape (m, 6).
     twists: Array
     q: Array
     qd: Array
@@ -58,19 +52,11 @@ class States(NamedTuple):
 class CaptureTask:
     """Captures a drifting body.
 
-    Parameters
-    ----------
-    client : DemoClient
-        Of the running suite.
-    robot : FloatingChain
-        Chain of n joints.
+    - ``client``: of the running suite.
+    - ``robot``: chain of n joints.
 
-    Attributes
-    ----------
-    captured : Body
-        In its own frame, whose axes are those of the tip at the contact.
-    marks : list of (float, str)
-        Times of the recording (s), and what begins there.
+    - ``captured``: in its own frame, whose axes are those of the tip at the contact.
+    - ``marks``: times of the recording (s), and what begins there.
     """
 
     def __init__(self, client: DemoClient, robot: FloatingChain, reporter: Reporter) -> None:

@@ -36,17 +36,10 @@ EXECUTE, PLAN_JOINT = "trajectory_publisher/execute", "trajectory_planner/plan_j
 class DemoClient:
     """Talks to the suite, and notices at once when a node of it is gone.
 
-    Parameters
-    ----------
-    suite : Suite
-        The running nodes.
-    names, units : sequence of str
-        The joints that are to be recorded, and ``"rad"`` or ``"m"`` for each.
+    - ``suite``: the running nodes.
+    - ``names``, ``units``: the joints that are to be recorded, and ``"rad"`` or ``"m"`` for each.
 
-    Attributes
-    ----------
-    node : Node
-        For more publishers and timers; it spins.
+    - ``node``: for more publishers and timers; it spins.
     """
 
     def __init__(self, suite: Suite, names: Sequence[str], units: Sequence[str]) -> None:
@@ -126,16 +119,10 @@ class DemoClient:
     def plan_joint(self, goal: Array | JointState, **options: Any) -> Any:
         """Have a motion planned from where the joints are.
 
-        Parameters
-        ----------
-        goal : ndarray, shape (n,), or JointState
-            rad or m.
-        **options
-            Other fields of a PlanJoint request.
+        - ``goal``: rad or m, shape (n,).
+        - ``**options``: other fields of a PlanJoint request.
 
-        Returns
-        -------
-        PlanJoint.Response
+        Returns a PlanJoint.Response.
         """
         if not isinstance(goal, JointState):
             goal = joint_state(self._names, goal)
@@ -155,16 +142,10 @@ class DemoClient:
     ) -> None:
         """Wait until the joints rest at a position.
 
-        Parameters
-        ----------
-        goal : ndarray, shape (n,)
-            rad or m.
-        tolerance : float
-            Of each joint's position, and of its velocity.
-        seconds : float
-            How long to wait.
-        look : callable, optional
-            Called again and again meanwhile.
+        - ``goal``: rad or m, shape (n,).
+        - ``tolerance``: of each joint's position, and of its velocity.
+        - ``seconds``: how long to wait.
+        - ``look``: called again and again meanwhile.
         """
 
         def arrived() -> bool:
@@ -187,14 +168,10 @@ class DemoClient:
     ) -> None:
         """Execute a trajectory, and wait until the joints rest at its goal.
 
-        Parameters
-        ----------
-        goal : ndarray, shape (n,)
-            rad or m.
-        tolerance : float
-            Of each joint's position, and of its velocity.
-        show : callable, optional
-            Called with the part of the duration that is over, 0 to 1, and the joint positions.
+        - ``goal``: rad or m, shape (n,).
+        - ``tolerance``: of each joint's position, and of its velocity.
+        - ``show``: called with the part of the duration that is over, 0 to 1, and the joint
+          positions.
         """
         execution = RetriedRequest(
             self._clients[EXECUTE], Execute, Execute.Request(trajectory=trajectory)
@@ -215,14 +192,9 @@ class DemoClient:
     ) -> bool:
         """Wait for a condition while all nodes live; False if the time (s) is over before.
 
-        Parameters
-        ----------
-        condition : callable
-            Whether it holds.
-        seconds : float
-            How long to wait.
-        look : callable, optional
-            Called again and again meanwhile.
+        - ``condition``: whether it holds.
+        - ``seconds``: how long to wait.
+        - ``look``: called again and again meanwhile.
         """
         deadline = time.monotonic() + seconds
         while not condition():
@@ -253,12 +225,8 @@ def running_client(
 ) -> Iterator[tuple[Suite, DemoClient]]:
     """Run nodes and a client of theirs; if something fails, print what the nodes said last.
 
-    Parameters
-    ----------
-    commands : mapping of str to sequence of str
-        Of each node, by name.
-    names, units : sequence of str
-        The joints that the client records, and ``"rad"`` or ``"m"`` for each.
+    - ``commands``: of each node, by name.
+    - ``names``, ``units``: the joints that the client records, and ``"rad"`` or ``"m"`` for each.
     """
     with running_suite(commands) as suite:
         client = DemoClient(suite, names, units)

@@ -19,24 +19,16 @@ _STRAIGHT = 1.0
 
 @dataclass(frozen=True, eq=False)
 class ClosedPath:
-    """A path that ends where it begins, at the origin along x.
-
-    Attributes
-    ----------
-    lengths : ndarray, shape (m,)
-        From the beginning, evenly spaced (m).
-    places : ndarray, shape (m, 2)
-        x, y (m).
-    tangents : ndarray, shape (m,)
-        Directions of the path (rad), continuous.
-    headings : ndarray, shape (m,)
-        Of the base (rad), continuous.
-    """
+    """A path that ends where it begins, at the origin along x."""
 
     name: str
+    #: From the beginning, evenly spaced (m), shape (m,).
     lengths: Array
+    #: x, y (m), shape (m, 2).
     places: Array
+    #: Directions of the path (rad), continuous, shape (m,).
     tangents: Array
+    #: Of the base (rad), continuous, shape (m,).
     headings: Array
 
     @property
@@ -47,12 +39,8 @@ class ClosedPath:
     def at(self, length: float) -> tuple[Array, Array]:
         """Return pose and motion of the base after a length (m).
 
-        Returns
-        -------
-        pose : ndarray, shape (3,)
-            x, y (m) and heading (rad).
-        motion : ndarray, shape (3,)
-            Turn (rad/m), and the unit vector along the path, for each metre.
+        Returns ``pose``: x, y (m) and heading (rad), shape (3,); ``motion``: turn (rad/m), and the
+        unit vector along the path, for each metre, shape (3,).
         """
         x, y = (float(np.interp(length, self.lengths, self.places[:, k])) for k in (0, 1))
         heading, direction = (

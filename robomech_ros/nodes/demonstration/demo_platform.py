@@ -28,10 +28,7 @@ _CIRCLE_ANGLE, _WAYPOINTS = np.radians(300.0), 10
 class DemoPlatform:
     """A parallel robot; the same poses every time.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Of n joints.
+    - ``mechanism``: of n joints.
     """
 
     def __init__(self, mechanism: Mechanism) -> None:
@@ -53,10 +50,7 @@ class DemoPlatform:
     def targets(self) -> tuple[Array, Array]:
         """Poses (4, 4) where to pick and where to place, between which nothing is in the way.
 
-        Raises
-        ------
-        NoPostureError
-            There are none.
+        Raises NoPostureError: there are none.
         """
         ends = self._ends()
         if not len(ends):

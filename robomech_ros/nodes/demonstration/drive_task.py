@@ -55,10 +55,7 @@ def paths_for(base: RollingBase) -> tuple[float, tuple[ClosedPath, ClosedPath]]:
 def speed_on(robot: RollingRobot, path: ClosedPath, radius: float) -> tuple[float, float]:
     """Return a speed (m/s) and an acceleration (m/s^2) on a path, well within all limits.
 
-    Raises
-    ------
-    BadValueError
-        The limits do not let the base go along the path.
+    Raises BadValueError: the limits do not let the base go along the path.
     """
     base, limits = robot.base, robot.limits
     assert limits.acceleration is not None
@@ -86,10 +83,7 @@ def speed_on(robot: RollingRobot, path: ClosedPath, radius: float) -> tuple[floa
 class Driven(NamedTuple):
     """A path that was driven.
 
-    Parameters
-    ----------
-    begin, end : float
-        ROS times (s).
+    - ``begin``, ``end``: ROS times (s).
     """
 
     path: ClosedPath
@@ -100,10 +94,7 @@ class Driven(NamedTuple):
 class DriveTask:
     """Drives a base and records its poses.
 
-    Parameters
-    ----------
-    interface : Interface
-        Topics of its drive.
+    - ``interface``: topics of its drive.
     """
 
     def __init__(

@@ -9,39 +9,22 @@ from robomech_ros.robots import SerialChain, load_description, load_semantics, m
 
 @dataclass(frozen=True)
 class Which:
-    """Which robot, and what of it, moves.
+    """Which robot, and what of it, moves."""
 
-    Parameters
-    ----------
-    robot : str
-        Name or path.
-    srdf : str, optional
-        Path of an SRDF.
-    group : str, optional
-        Of the SRDF.
-    """
-
+    #: Name or path.
     robot: str
+    #: Path of an SRDF.
     srdf: str = ""
+    #: Of the SRDF.
     group: str = ""
 
 
 def chain_with_limits(which: Which, say: Callable[[str], None]) -> SerialChain:
     """Load a robot with limits of acceleration and jerk, assumed as the planner assumes them.
 
-    Parameters
-    ----------
-    say : callable
-        Prints what was assumed.
+    - ``say``: prints what was assumed.
 
-    Returns
-    -------
-    SerialChain
-
-    Raises
-    ------
-    MissingLimitsError
-        There are no velocity limits to assume others by.
+    Raises MissingLimitsError: there are no velocity limits to assume others by.
     """
     description, notice, _ = with_assumed_rates(load_description(which.robot))
     chain = main_chain(description, load_semantics(description, which.srdf), group=which.group)

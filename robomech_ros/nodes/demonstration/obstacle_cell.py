@@ -41,22 +41,16 @@ class NoCellError(RobomechError):
 class ObstacleCell:
     """Places of the objects, and poses of the tip to pick and place the part.
 
-    Attributes
-    ----------
-    standing : dict of str to (Box, ndarray)
-        Table, wall and part, with their poses (4, 4) in the base (m).
-    pick, place : ndarray, shape (4, 4)
-        Poses of the tip (m).
-    gripper : float
-        From the tip to the part (m).
-    touch_links : tuple of str
-        Links that may touch the part: the tip, and the links fixed to it.
+    - ``pick``, ``place``: poses of the tip (m), shape (4, 4).
     """
 
+    #: Table, wall and part, with their poses (4, 4) in the base (m).
     standing: dict[str, tuple[Box, Array]]
     pick: Array
     place: Array
+    #: From the tip to the part (m).
     gripper: float
+    #: Links that may touch the part: the tip, and the links fixed to it.
     touch_links: tuple[str, ...]
 
 
@@ -71,14 +65,9 @@ class RobotFiles(NamedTuple):
 def robot_with_bodies(robot: str, srdf: str, folder: Path, clearance: float) -> RobotFiles:
     """Give a robot without collision elements drums and bars as bodies.
 
-    Parameters
-    ----------
-    robot, srdf : str
-        Name or path; path or "".
-    folder : Path
-        For the URDF that is written, and for an SRDF if drums overlap and none was given.
-    clearance : float
-        What bodies must be farther apart than at the start (m).
+    - ``robot``, ``srdf``: name or path; path or "".
+    - ``folder``: for the URDF that is written, and for an SRDF if drums overlap and none was given.
+    - ``clearance``: what bodies must be farther apart than at the start (m).
     """
     description = load_description(robot)
     if description.document and read_collisions(description.document, description.where):
@@ -114,19 +103,11 @@ def _overlapping(scene: PlanningScene, clearance: float) -> list[tuple[str, str]
 def arrange_cell(scene: PlanningScene, home: Array, clearance: float) -> ObstacleCell:
     """Find a cell in which the direct motion hits the wall, and another motion does not.
 
-    Parameters
-    ----------
-    scene : PlanningScene
-        Scene of the robot alone.
-    home : ndarray, shape (n,)
-        Posture at the start (rad or m).
-    clearance : float
-        Least distance between bodies (m).
+    - ``scene``: scene of the robot alone.
+    - ``home``: posture at the start (rad or m), shape (n,).
+    - ``clearance``: least distance between bodies (m).
 
-    Raises
-    ------
-    NoCellError
-        None of the candidates fits.
+    Raises NoCellError: none of the candidates fits.
     """
     chain = scene.chain
     if not scene.is_free(home, clearance=clearance):

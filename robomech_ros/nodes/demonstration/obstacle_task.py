@@ -56,12 +56,8 @@ class Leg(NamedTuple):
 class CarryAround:
     """Adds the objects, plans, executes, and checks the published joint states.
 
-    Parameters
-    ----------
-    client : DemoClient
-        Connected to the running nodes.
-    scene : PlanningScene
-        Scene of the robot alone, which gets the same objects as the node's scene.
+    - ``client``: connected to the running nodes.
+    - ``scene``: scene of the robot alone, which gets the same objects as the node's scene.
     """
 
     def __init__(

@@ -28,32 +28,18 @@ class PathFollower:
 
     Clocks and delays do not matter: a base that hears nothing for a while brakes, and goes on.
 
-    Parameters
-    ----------
-    axle : ndarray, shape (3,), optional
-        Place (m) and heading (rad) of a fixed axle in the base; None where it goes sideways.
-    path : ClosedPath
-        From where odometry is zero; a base with a fixed axle looks along it.
-    speed : float
-        On the path (m/s).
-    acceleration : float
-        On the path (m/s^2).
-    radius : float
-        At which the path turns (m).
+    - ``axle``: place (m) and heading (rad) of a fixed axle in the base, shape (3,); None where it
+      goes sideways.
+    - ``path``: from where odometry is zero; a base with a fixed axle looks along it.
+    - ``speed``: on the path (m/s).
+    - ``acceleration``: on the path (m/s^2).
+    - ``radius``: at which the path turns (m).
 
-    Attributes
-    ----------
-    gone : float
-        Length of the path that is done (m).
-    off : float
-        Greatest distance from the path so far (m).
-    arrived : bool
-        Whether it is at the end.
+    - ``gone``: length of the path that is done (m).
+    - ``off``: greatest distance from the path so far (m).
+    - ``arrived``: whether it is at the end.
 
-    Raises
-    ------
-    BadValueError
-        The fixed axle does not point forward.
+    Raises BadValueError: the fixed axle does not point forward.
     """
 
     def __init__(
@@ -71,12 +57,8 @@ class PathFollower:
     def command(self, time: float, pose: Array) -> Array:
         """Return the twist ``[omega, v_x, v_y]`` (rad/s, m/s) to command now.
 
-        Parameters
-        ----------
-        time : float
-            Of the odometry (s).
-        pose : ndarray, shape (3,)
-            x, y (m) and heading (rad) by odometry.
+        - ``time``: of the odometry (s).
+        - ``pose``: x, y (m) and heading (rad) by odometry, shape (3,).
         """
         c, s = math.cos(pose[2]), math.sin(pose[2])
         to_base = np.array([[c, s], [-s, c]])

@@ -61,17 +61,10 @@ def change_parameters(client: DemoClient, values: Mapping[str, float | Sequence[
 class DemoArm:
     """An arm; `DemoPlatform` has the same methods.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
+    - ``chain``: of n joints.
 
-    Attributes
-    ----------
-    title : str
-        One-line description of the robot.
-    shown : sequence of int
-        Numbers of the joints that are printed and plotted.
+    - ``title``: one-line description of the robot.
+    - ``shown``: numbers of the joints that are printed and plotted.
     """
 
     def __init__(self, chain: SerialChain) -> None:
@@ -104,15 +97,10 @@ DemoRobot: TypeAlias = "DemoArm | DemoPlatform"
 class PickAndPlace:
     """Solves, plans, executes and checks both motions through the services of the suite.
 
-    Parameters
-    ----------
-    client : DemoClient
-        Connected to the running suite.
-    reporter : Reporter
-        Where to tell what happens.
-    payload : float, optional
-        The mass (kg) that a robot moved by drives carries from pick to place; None = it goes
-        exactly where it is told.
+    - ``client``: connected to the running suite.
+    - ``reporter``: where to tell what happens.
+    - ``payload``: the mass (kg) that a robot moved by drives carries from pick to place; None = it
+      goes exactly where it is told.
     """
 
     def __init__(

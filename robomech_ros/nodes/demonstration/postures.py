@@ -26,21 +26,12 @@ class NoPostureError(RobomechError):
 def pick_and_place(chain: SerialChain) -> tuple[Array, Array]:
     """Choose joint positions for picking and placing; the same ones every time.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
+    - ``chain``: of n joints.
 
-    Returns
-    -------
-    tuple of ndarray, each shape (n,)
-        Far from the limits (rad or m), far from singularities, and above the base where the
-        robot can be.
+    Returns two arrays (n,): far from the limits (rad or m), far from
+    singularities, and above the base where the robot can be.
 
-    Raises
-    ------
-    NoPostureError
-        No two postures of the robot have tips apart.
+    Raises NoPostureError: no two postures of the robot have tips apart.
     """
     q = _candidates(chain)
     tips = forward_kinematics(chain, q)[:, :3, 3]

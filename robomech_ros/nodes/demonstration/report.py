@@ -30,20 +30,13 @@ def _joints(q: Array) -> str:
 
 
 class TipPath(NamedTuple):
-    """A path of the tip.
+    """A path of the tip."""
 
-    Attributes
-    ----------
-    name : str
-        Of what is done.
-    path : str
-        A kind of PlanCartesian, such as ``"STRAIGHT"``.
-    waypoints : ndarray, shape (m, 4, 4)
-        In the base (m).
-    """
-
+    #: Of what is done.
     name: str
+    #: A kind of PlanCartesian, such as ``"STRAIGHT"``.
     path: str
+    #: In the base (m), shape (m, 4, 4).
     waypoints: Array
 
 
@@ -91,14 +84,9 @@ def whole_motion(
 ) -> Motion:
     """Return the motion of a whole robot.
 
-    Parameters
-    ----------
-    times : ndarray, shape (m,)
-        s.
-    columns : mapping of str to ndarray, shape (m,)
-        Joint values (rad or m); joints without any rest.
-    marks : sequence of (float, str), optional
-        Times (s), and what begins there.
+    - ``times``: s, shape (m,).
+    - ``columns``: joint values (rad or m), shape (m,); joints without any rest.
+    - ``marks``: times (s), and what begins there.
     """
     at_rest = robot.joint_positions()
     rows = [columns.get(name, np.full(len(times), at_rest[name])) for name in robot.joint_names]
@@ -193,17 +181,11 @@ class Reporter:
     def progress(self, name: str, words: Callable[[Array], str] = _joints) -> Iterator[Shown]:
         """Show how far a motion is: a live bar, or a line each quarter.
 
-        Parameters
-        ----------
-        name : str
-            Of the motion.
-        words : callable, optional
-            Writes where the robot is; by default joint positions (rad, m).
+        - ``name``: of the motion.
+        - ``words``: writes where the robot is; by default joint positions (rad, m).
 
-        Yields
-        ------
-        callable
-            Takes how much of the motion is done, 0 to 1, and where the robot is, as for ``words``.
+        Yields a callable that takes how much of the motion is done, 0 to 1, and where the robot is,
+        as for ``words``.
         """
         if not self._console.is_terminal:
             yield self._quarters(name, words)

@@ -19,12 +19,8 @@ from robomech_ros.rolling.tree import BASE_JOINTS
 def demonstrate(robot: str, output: Path) -> None:
     """Drive closed paths with a rolling robot, and tell about it.
 
-    Parameters
-    ----------
-    robot : str
-        Name or path.
-    output : Path
-        Folder for the plot and the page.
+    - ``robot``: name or path.
+    - ``output``: folder for the plot and the page.
     """
     reporter, rolling = Reporter(), rolling_robot(robot)
     base = rolling.base

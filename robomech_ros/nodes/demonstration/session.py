@@ -38,14 +38,10 @@ _SERVICES = {
 def demonstrate(which: Which, output: Path, payload: float | None = None) -> None:
     """Pick and place with a robot, and tell about it.
 
-    Parameters
-    ----------
-    which : Which
-        The robot, and what of it moves.
-    output : Path
-        Folder for the plot and the page.
-    payload : float, optional
-        Drives move the robot, and it carries this mass (kg) from pick to place; default none does.
+    - ``which``: the robot, and what of it moves.
+    - ``output``: folder for the plot and the page.
+    - ``payload``: drives move the robot, and it carries this mass (kg) from pick to place; default
+      none does.
     """
     reporter = Reporter()
     mechanism = load_tree_description(which.robot).mechanism

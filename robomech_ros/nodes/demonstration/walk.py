@@ -29,12 +29,8 @@ _PATIENCE, _TIME_FACTOR = 60.0, 3.0
 class Walk:
     """Walks along a path, and keeps what is published meanwhile.
 
-    Parameters
-    ----------
-    client : DemoClient
-        Whose node publishes and listens.
-    lead : float
-        Parameter of the walker: twists take effect that much later (s).
+    - ``client``: whose node publishes and listens.
+    - ``lead``: parameter of the walker: twists take effect that much later (s).
     """
 
     def __init__(self, client: DemoClient, lead: float) -> None:
@@ -75,15 +71,9 @@ class Walk:
     def follow(self, follower: PathFollower, seconds: float) -> float:
         """Walk along a path from where the robot stands, and stop.
 
-        Parameters
-        ----------
-        seconds : float
-            That it should take.
+        - ``seconds``: that it should take.
 
-        Returns
-        -------
-        float
-            The time that it took (s).
+        Returns the time that it took (s).
         """
         begin, started = rigid_inverse(self._poses[-1][1]), self._now()
         patience = _PATIENCE + _TIME_FACTOR * seconds

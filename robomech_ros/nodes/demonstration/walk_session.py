@@ -34,12 +34,8 @@ _SLIPPED, _FOOT, _NEIGHBOURS = 0.002, 1e-4, 0.045
 def demonstrate(robot: str, output: Path) -> None:
     """Walk an eight with a walking machine, and tell about it.
 
-    Parameters
-    ----------
-    robot : str
-        Name or path.
-    output : Path
-        Folder for the plot and the page.
+    - ``robot``: name or path.
+    - ``output``: folder for the plot and the page.
     """
     reporter, legged = Reporter(), load_legged(robot)
     walker = quickest(legged)
@@ -73,10 +69,7 @@ def demonstrate(robot: str, output: Path) -> None:
 def quickest(robot: LeggedRobot) -> Walker:
     """Return the gait that is fastest; the trunk does not sway in it.
 
-    Raises
-    ------
-    BadValueError
-        No gait is for so many legs.
+    Raises BadValueError: no gait is for so many legs.
     """
     own = [gait for gait in GAITS.values() if len(robot.legs) in gait.offsets]
     return Walker(robot, gait=min(own, key=lambda gait: gait.duty).name if own else None)

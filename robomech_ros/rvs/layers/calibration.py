@@ -22,12 +22,7 @@ SOURCE = "calibration"
 class CalibrationLayer(Layer):
     """The layer.
 
-    Parameters
-    ----------
-    place : LayerContext
-    result : HandEyeResult
-    tracking : ndarray, shape (n, 4, 4)
-        ``T_sensor_target`` of its samples (m).
+    - ``tracking``: ``T_sensor_target`` of its samples (m), shape (n, 4, 4).
     """
 
     label, order, expanded = "Calibration", 5.7, True

@@ -49,16 +49,10 @@ def dh_rows(
 ) -> str:
     """Write the table; a number that is typed goes into the text field of changes.
 
-    Parameters
-    ----------
-    table : DHTable
-    names, joint_units : sequence of str
-        Of the joints; a joint adds its value to theta where it turns, to b where it slides.
-    document : str
-        What is saved.
-    version : int
-        Another number brings back what was typed over.
-    units : Units
+    - ``names``, ``joint_units``: of the joints; a joint adds its value to theta where it turns, to
+      b where it slides.
+    - ``document``: what is saved.
+    - ``version``: another number brings back what was typed over.
     """
     head = "".join(f"<th>{title} ({units.name(unit)})</th>" for _, title, unit in _TITLES)
     rows = []

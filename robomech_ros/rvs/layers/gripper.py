@@ -20,11 +20,7 @@ SAME = 5e-5
 class GripperLayer(Layer):
     """The slider, for an arm with a gripper; other robots get none.
 
-    Parameters
-    ----------
-    place : LayerContext
-    robot : LiveRobot, optional
-        The robot that runs, which is commanded; by default the gripper of the page moves.
+    - ``robot``: the robot that runs, which is commanded; by default the gripper of the page moves.
     """
 
     # A value of the slider is noted at once, so that the slider is not set back meanwhile.

@@ -30,19 +30,12 @@ TRACE_WIDTH, AXES_LENGTH, AXES_RADIUS = 0.006, 0.05, 0.0025
 
 
 class SweptPlan(NamedTuple):
-    """Shown parts of a plan.
-
-    Parameters
-    ----------
-    motion : Motion
-    sweep : ndarray, shape (k, n)
-        Postures at even times (rad or m).
-    traces : dict of str to ndarray, shape (m, 4, 4)
-        Poses of each link in the base at even times (m).
-    """
+    """Shown parts of a plan."""
 
     motion: Motion
+    #: Postures at even times (rad or m), shape (k, n).
     sweep: Array
+    #: Poses of each link in the base at even times (m), shape (m, 4, 4).
     traces: dict[str, Array]
 
 

@@ -107,17 +107,10 @@ class PlatformWorkspaceLayer(Layer):
 class _Part:
     """Shown workspace of positions, or of orientations.
 
-    Attributes
-    ----------
-    on : bool
-        Whether it is shown.
-    asked : ndarray
-        The posture for which it was asked last (rad or m); empty for none.
-    reach : PlatformReach or None
-    reason : str
-        Why there is none, in a sentence.
-    nodes : list
-        In the scene.
+    - ``on``: whether it is shown.
+    - ``asked``: the posture for which it was asked last (rad or m); empty for none.
+    - ``reason``: why there is none, in a sentence.
+    - ``nodes``: in the scene.
     """
 
     def __init__(self, label: str) -> None:

@@ -157,10 +157,7 @@ class RecordingLayer(Layer):
 class KnownBrowsers:
     """The browsers that have commanded; those of one robot, the next one knows, too.
 
-    Attributes
-    ----------
-    notice : callable
-        Called when the camera of one of them moves.
+    - ``notice``: called when the camera of one of them moves.
     """
 
     def __init__(self) -> None:

@@ -35,13 +35,8 @@ SIZE = 0.7 * GIZMO
 class WorldLayer(Layer):
     """The objects of a planning scene, and the distance of the arm from them.
 
-    Parameters
-    ----------
-    place : LayerContext
-    scene : PlanningScene, optional
-        Initial scene.
-    robot : LiveRobot, optional
-        The running robot, which sends its scene and moves dragged objects.
+    - ``scene``: initial scene.
+    - ``robot``: the running robot, which sends its scene and moves dragged objects.
     """
 
     label, order, expanded = "World", 3.8, True

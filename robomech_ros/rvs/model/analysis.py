@@ -40,20 +40,14 @@ ARROW, NONE = 0.35, 1e-3
 class ArmFacts:
     """Facts that are the same in every posture of an arm.
 
-    Parameters
-    ----------
-    length : float
-        The characteristic length (m), or the size of an arm that has none.
-    least_condition : float
-        Of any posture, limits left aside; infinite where every posture is singular.
-    best : BestPosture or None
-        The best one inside the limits; None where every posture is singular.
-    least_reach, greatest_reach : float
-        Of the tip from the first joint (m).
+    - ``least_reach``, ``greatest_reach``: of the tip from the first joint (m).
     """
 
+    #: The characteristic length (m), or the size of an arm that has none.
     length: float
+    #: Of any posture, limits left aside; infinite where every posture is singular.
     least_condition: float
+    #: The best one inside the limits; None where every posture is singular.
     best: BestPosture | None
     least_reach: float
     greatest_reach: float
@@ -61,79 +55,50 @@ class ArmFacts:
 
 @dataclass(frozen=True, eq=False)
 class PostureFacts:
-    """Facts about a posture that need no search.
-
-    Parameters
-    ----------
-    report : SingularityReport
-    twists : ndarray, shape (r, 6)
-        What the tip cannot do where the posture is singular; else the one twist that it does with
-        the greatest effort.  Angular first, in the base (rad/s and m/s).
-    """
+    """Facts about a posture that need no search."""
 
     report: SingularityReport
+    #: What the tip cannot do where the posture is singular; else the one twist that it does with
+    #: the greatest effort, shape (r, 6).  Angular first, in the base (rad/s and m/s).
     twists: Array
 
 
 @dataclass(frozen=True)
 class NextSingularity:
-    """The singular posture that is nearest.
+    """The singular posture that is nearest."""
 
-    Parameters
-    ----------
-    distance : float
-        Of the joint values, slides over the characteristic length (rad); infinite where none is
-        found.
-    kinds : tuple of str
-        What is singular there.
-    """
-
+    #: Of the joint values, slides over the characteristic length (rad); infinite where none is
+    #: found.
     distance: float
+    #: What is singular there.
     kinds: tuple[str, ...]
 
 
 class DrawnEllipsoid(NamedTuple):
-    """An ellipsoid as it is drawn, and what it says.
+    """An ellipsoid as it is drawn, and what it says."""
 
-    Parameters
-    ----------
-    pose : ndarray, shape (4, 4)
-        Its axes at the tip, in the base (m).
-    half_axes : ndarray, shape (3,)
-        As drawn (m), neither too flat nor too long to be seen.
-    values : ndarray, shape (3,)
-        Longest first: m/s or rad/s, N or N m.
-    unit : str
-    """
-
+    #: Its axes at the tip, in the base (m), shape (4, 4).
     pose: Array
+    #: As drawn (m), neither too flat nor too long to be seen, shape (3,).
     half_axes: Array
+    #: Longest first, shape (3,): m/s or rad/s, N or N m.
     values: Array
     unit: str
 
 
 class TwistArrows(NamedTuple):
-    """Arrows from the tip, in the base (m), each shape (k, 2, 3).
+    """Arrows from the tip, in the base (m), each shape (k, 2, 3)."""
 
-    Parameters
-    ----------
-    linear : ndarray
-        Along motions.
-    angular : ndarray
-        Along axes of rotations.
-    """
-
+    #: Along motions.
     linear: Array
+    #: Along axes of rotations.
     angular: Array
 
 
 def arm_facts(chain: SerialChain) -> ArmFacts:
     """Find what is the same in every posture of an arm; takes a second or two.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Of one joint or more.
+    - ``chain``: of one joint or more.
     """
     reach = reach_limits(chain)
     try:
@@ -147,14 +112,9 @@ def arm_facts(chain: SerialChain) -> ArmFacts:
 def posture_facts(chain: SerialChain, q: Array, length: float) -> PostureFacts:
     """Judge a posture.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-    q : ndarray, shape (n,)
-        rad or m.
-    length : float
-        What linear motions are divided by (m).
+    - ``chain``: of n joints.
+    - ``q``: rad or m, shape (n,).
+    - ``length``: what linear motions are divided by (m).
     """
     report = singularity_report(chain, q, length=length)
     assert isinstance(report, SingularityReport)
@@ -168,10 +128,7 @@ def posture_facts(chain: SerialChain, q: Array, length: float) -> PostureFacts:
 def next_singularity(chain: SerialChain, q: Array, length: float) -> NextSingularity:
     """Search for the singular posture that is nearest, and name it; takes some 0.1 s.
 
-    Parameters
-    ----------
-    chain, q, length
-        As for :func:`posture_facts`.
+    - ``chain``, ``q``, ``length``: as for :func:`posture_facts`.
     """
     found = nearest_singular_posture(chain, q, length=length)
     if not math.isfinite(found.distance):
@@ -186,14 +143,10 @@ def drawn_ellipsoid(
 ) -> DrawnEllipsoid:
     """Place the ellipsoid of velocities or of forces at the tip.
 
-    Parameters
-    ----------
-    chain, q
-        As for :func:`posture_facts`.
-    kind : {"velocity", "force"}
-    part : {"translation", "rotation"}
-    reach : float
-        Of the robot (m), which gives the scale: the same in all postures.
+    - ``chain``, ``q``: as for :func:`posture_facts`.
+    - ``kind``: one of "velocity", "force".
+    - ``part``: one of "translation", "rotation".
+    - ``reach``: of the robot (m), which gives the scale: the same in all postures.
     """
     found = manipulability_ellipsoid(jacobian(chain, q)[ROWS[part]])
     one = reach if part == "translation" else 1.0
@@ -210,14 +163,9 @@ def drawn_ellipsoid(
 def twist_arrows(tip: Array, twists: Array, reach: float) -> TwistArrows:
     """Draw twists at the tip as arrows of one length.
 
-    Parameters
-    ----------
-    tip : ndarray, shape (3,)
-        In the base (m).
-    reach : float
-        Of the robot (m).
-    twists : ndarray, shape (r, 6)
-        Angular first, in the base (rad/s and m/s).
+    - ``tip``: in the base (m), shape (3,).
+    - ``reach``: of the robot (m).
+    - ``twists``: angular first, in the base (rad/s and m/s), shape (r, 6).
     """
     # A motion counts beside a rotation as far as it moves the arm.
     sizes = np.maximum(np.linalg.norm(twists * np.repeat((reach, 1.0), 3), axis=1), 1e-300)

@@ -26,17 +26,10 @@ CONDITIONS = 6
 class ArmView(DraggableRobot):
     """An arm with its present posture and the pose that its tip is to take.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-    q : array_like, shape (n,), optional
-        Where it is to begin with (rad or m); default its home.
+    - ``chain``: of n joints.
+    - ``q``: where it is to begin with (rad or m), shape (n,); default its home.
 
-    Attributes
-    ----------
-    others : dict of str to float
-        Joints beside the chain, such as those of a gripper (rad or m).
+    - ``others``: joints beside the chain, such as those of a gripper (rad or m).
     """
 
     def __init__(self, chain: SerialChain, q: ArrayLike | None = None) -> None:
@@ -117,10 +110,7 @@ class ArmView(DraggableRobot):
         Where no posture takes it, the arm stays, unless it has too few joints for poses in general:
         then it goes to the posture that misses the pose least.
 
-        Parameters
-        ----------
-        T : array_like, shape (4, 4)
-            ``T_base_tip`` (m).
+        - ``T``: ``T_base_tip`` (m), shape (4, 4).
         """
         study = study_pose(self.chain, as_pose(T), self._q)
         self._curve_known = False

@@ -35,15 +35,10 @@ GOOD, POOR, MOST = (0.1, 0.6, 0.25), (0.95, 0.65, 0.1), 3.0
 def residual_ratios(result: HandEyeResult) -> Array:
     """Compare the residuals of samples with the noise.
 
-    Parameters
-    ----------
-    result : HandEyeResult
-        Of n samples.
+    - ``result``: of n samples.
 
-    Returns
-    -------
-    ndarray, shape (n,)
-        Angle or distance, whichever is greater, as a multiple of its root mean square by the noise.
+    Returns an array (n,): angle or distance, whichever is greater, as a multiple of its root mean
+    square by the noise.
     """
     noise = np.maximum([result.noise.rotation, result.noise.position], 1e-12)
     return (result.residuals / (math.sqrt(3.0) * noise)).max(axis=1, initial=0.0)
@@ -54,12 +49,8 @@ def position_half_axes(result: HandEyeResult) -> tuple[Array, Array]:
 
     Directions that are free are left out of it.
 
-    Returns
-    -------
-    half_axes : ndarray, shape (3,)
-        In m, the longest first.
-    axes : ndarray, shape (3, 3)
-        A rotation; its columns are their directions, in the frame of ``result.sensor``'s parent.
+    Returns ``half_axes``: in m, the longest first, shape (3,); ``axes``: a rotation, shape (3, 3);
+    its columns are their directions, in the frame of ``result.sensor``'s parent.
     """
     values, axes = np.linalg.eigh(result.determined_covariance)
     values, axes = np.maximum(values[::-1], 0.0), axes[:, ::-1].copy()
@@ -70,10 +61,7 @@ def position_half_axes(result: HandEyeResult) -> tuple[Array, Array]:
 def drawing_factor(longest: float, room: float) -> float:
     """Return how many times larger something is drawn: 1, 2, 5, 10, ... as there is room for.
 
-    Parameters
-    ----------
-    longest, room : float
-        Its size, and the largest it is drawn, both in m.
+    - ``longest``, ``room``: its size, and the largest it is drawn, both in m.
     """
     if not longest > 0.0 or room <= longest:
         return 1.0
@@ -84,12 +72,8 @@ def drawing_factor(longest: float, room: float) -> float:
 def sample_markers(robot: Array, tracking: Array, base: str) -> list[ViewMarker]:
     """Draw samples that are not solved: a frame of the hand, and a grey ball, for each.
 
-    Parameters
-    ----------
-    robot, tracking : ndarray, shape (n, 4, 4)
-        ``T_base_hand`` and ``T_sensor_target`` (m).
-    base : str
-        Frame of the robot's base.
+    - ``robot``, ``tracking``: ``T_base_hand`` and ``T_sensor_target`` (m), shape (n, 4, 4).
+    - ``base``: frame of the robot's base.
     """
     return _samples(robot, [UNSOLVED] * len(robot), _distance(tracking), base)
 
@@ -99,22 +83,14 @@ def calibration_markers(
 ) -> list[ViewMarker]:
     """Draw a calibration: samples, sensor, target, and the ellipsoid of the sensor's position.
 
-    Parameters
-    ----------
-    result : HandEyeResult
-        Of n samples.
-    tracking : ndarray, shape (n, 4, 4)
-        ``T_sensor_target`` of the samples (m).
-    base, hand : str
-        Frames of the robot's base and hand.
+    - ``result``: of n samples.
+    - ``tracking``: ``T_sensor_target`` of the samples (m), shape (n, 4, 4).
+    - ``base``, ``hand``: frames of the robot's base and hand.
 
-    Returns
-    -------
-    list of ViewMarker
-        A ball for each sample, from green to amber as its residual grows to three times what the
-        noise makes, red where it was left out; a frustum that opens along the axis of the sensor
-        nearest to where it saw the target; the ellipsoid of 95 %, larger by a factor that is
-        written beside it.
+    Returns the markers: a ball for each sample, from green to amber as its residual grows to
+    three times what the noise makes, red where it was left out; a frustum that opens along the axis
+    of the sensor nearest to where it saw the target; the ellipsoid of 95 %, larger by a factor that
+    is written beside it.
     """
     parent, other = (hand, base) if result.mount == "eye-in-hand" else (base, hand)
     distance = _distance(tracking)
@@ -147,10 +123,7 @@ def calibration_markers(
 def calibration_facts(result: HandEyeResult) -> list[tuple[str, str]]:
     """Write what was found, and the residuals of every sample, for people.
 
-    Returns
-    -------
-    list of tuple of str
-        What, and what is known of it.
+    Returns names, and what is known of each.
     """
     x, y, z = result.sensor[:3, 3].tolist()
     half_axes, _ = position_half_axes(result)

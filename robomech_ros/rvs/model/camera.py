@@ -25,10 +25,7 @@ FILLED, LEAST = 0.9, 0.02
 class Camera(NamedTuple):
     """Position and target of a camera.
 
-    Parameters
-    ----------
-    position, look_at : ndarray, shape (3,)
-        In the root (m).
+    - ``position``, ``look_at``: in the root (m), shape (3,).
     """
 
     position: Array
@@ -38,16 +35,9 @@ class Camera(NamedTuple):
 def visible_points(seen: VisualModel, postures: Iterable[Mapping[str, float]]) -> Array:
     """Return the corners of boxes around all bodies in several postures.
 
-    Parameters
-    ----------
-    seen : VisualModel
-    postures : iterable of mapping of str to float
-        Joints by name (rad or m).
+    - ``postures``: joints by name (rad or m).
 
-    Returns
-    -------
-    ndarray, shape (k, 3)
-        In the root (m).
+    Returns an array (k, 3) in the root (m).
     """
     corners = [(body.link, _corners(body.solid.vertices, body.pose)) for body in seen.bodies]
     points = []
@@ -62,17 +52,9 @@ def marker_points(
 ) -> Array:
     """Return where markers are, and the ends of their lines.
 
-    Parameters
-    ----------
-    seen : VisualModel
-    markers : iterable of ViewMarker
-    positions : mapping of str to float
-        Of the joints (rad or m).
+    - ``positions``: of the joints (rad or m).
 
-    Returns
-    -------
-    ndarray, shape (k, 3)
-        In the root (m).
+    Returns an array (k, 3) in the root (m).
     """
     poses = seen.tree.link_poses(positions)
     points = [np.empty((0, 3))]
@@ -88,16 +70,11 @@ def fitted_camera(
 ) -> Camera:
     """Place a camera so that points just fit into its picture.
 
-    Parameters
-    ----------
-    points : ndarray, shape (k, 3)
-        In the root (m).
-    fov : float, optional
-        Angle from the lower to the upper edge of the picture (rad).
-    aspect : float, optional
-        Its width as part of its height.
-    backwards : ndarray, shape (3,), optional
-        From what is looked at to the eye; default from before, above and the right.
+    - ``points``: in the root (m), shape (k, 3).
+    - ``fov``: angle from the lower to the upper edge of the picture (rad).
+    - ``aspect``: its width as part of its height.
+    - ``backwards``: from what is looked at to the eye, shape (3,); default from before, above and
+      the right.
 
     Notes
     -----

@@ -26,22 +26,15 @@ MOST_TICKS = 6
 
 
 class Mark(NamedTuple):
-    """Mark at a point: a crossing, or the present state.
+    """Mark at a point: a crossing, or the present state."""
 
-    Parameters
-    ----------
-    kind : str
-        ``root``, ``spurious`` or ``here``.
-    point : ndarray, shape (2,)
-    text : str
-        In a root's disc.
-    colour : str
-        Of a root's disc.
-    """
-
+    #: ``root``, ``spurious`` or ``here``.
     kind: str
+    #: shape (2,).
     point: Array
+    #: In a root's disc.
     text: str = ""
+    #: Of a root's disc.
     colour: str = ROOT
 
 
@@ -54,16 +47,10 @@ def draw_curves(
 ) -> str:
     """Draw two curves as SVG that is as wide as there is room.
 
-    Parameters
-    ----------
-    axes : tuple of two Axis
-    curves : sequence of two sequences of ndarray, shape (k, 2)
-        Pieces of each curve.
-    marks : sequence of Mark
-    path : ndarray, shape (k, 2), optional
-        Steps of an iteration, the estimate first.
-    on_press : str, optional
-        JavaScript that runs when the drawing is pressed: it may be drawn anew before a click ends.
+    - ``curves``: pieces of each curve, shape (k, 2).
+    - ``path``: steps of an iteration, the estimate first, shape (k, 2).
+    - ``on_press``: JavaScript that runs when the drawing is pressed: it may be drawn anew before a
+      click ends.
     """
     lines = "".join(
         f'<path data-curve="{number}" d="{curve_line(axes, pieces)}" fill="none" '
@@ -84,17 +71,11 @@ def draw_plane(
 ) -> str:
     """Draw axes as SVG that is as wide as there is room.
 
-    Parameters
-    ----------
-    name : str
-        Of the drawing, as the attribute ``data-name``.
-    axes : tuple of two Axis
-    inside, above : str
-        SVG in the plane, cut off at its edges, and above it; see :func:`placed_points`.
-    on_press : str, optional
-        JavaScript that runs when the drawing is pressed.
-    side : float, optional
-        Width of the plane in the picture, here and in all other functions that have it.
+    - ``name``: of the drawing, as the attribute ``data-name``.
+    - ``inside``, ``above``: SVG in the plane, cut off at its edges, and above it; see
+      :func:`placed_points`.
+    - ``on_press``: JavaScript that runs when the drawing is pressed.
+    - ``side``: width of the plane in the picture, here and in all other functions that have it.
     """
     frame = f'x="{LEFT}" y="{BOTTOM - TOP}" width="{side:.2f}" height="{TOP}"'
     return (

@@ -35,45 +35,30 @@ class Axis(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Finding:
-    """A crossing that was found.
+    """A crossing that was found."""
 
-    Parameters
-    ----------
-    point : ndarray, shape (2,)
-    path : ndarray, shape (k, 2)
-        The steps from the estimate to it.
-    is_root : bool
-        Whether all other equations vanish there, too; else it is spurious.
-    left_over : float
-        The greatest of the other equations, as part of its size.
-    angle : float
-        Between the curves (rad).
-    condition : float or None
-        Condition number of the root.
-    q : ndarray, shape (n,), or None
-        The posture that it is (rad), where it is one.
-    """
-
+    #: shape (2,).
     point: Array
+    #: The steps from the estimate to it, shape (k, 2).
     path: Array
+    #: Whether all other equations vanish there, too; else it is spurious.
     is_root: bool
+    #: The greatest of the other equations, as part of its size.
     left_over: float
+    #: Between the curves (rad).
     angle: float
+    #: Condition number of the root.
     condition: float | None = None
+    #: The posture that it is (rad), where it is one, shape (n,).
     q: Array | None = None
 
 
 class CurveProblem:
     """Two curves, and what is known of where they cross.
 
-    Parameters
-    ----------
-    axes : tuple of Axis
-        The two unknowns.
-    others : int
-        How many equations are left over.
-    source : PostureContours or CurvePair
-        Makes the curves, and refines their crossings.
+    - ``axes``: the two unknowns.
+    - ``others``: how many equations are left over.
+    - ``source``: makes the curves, and refines their crossings.
     """
 
     def __init__(
@@ -97,14 +82,9 @@ class CurveProblem:
 def posture_problem(chain: SerialChain, T: Array, pair: tuple[int, int]) -> CurveProblem:
     """Draw the postures of an arm of six revolute joints at a pose, over joints 4 and 5.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        As :func:`what_is_missing` says nothing of.
-    T : ndarray, shape (4, 4)
-        Of the tip in the base (m).
-    pair : tuple of int
-        Which two equations, counted in :func:`minor_names`.
+    - ``chain``: as :func:`what_is_missing` says nothing of.
+    - ``T``: of the tip in the base (m), shape (4, 4).
+    - ``pair``: which two equations, counted in :func:`minor_names`.
     """
     first, second = (Axis(chain.joint_names[joint], "rad", -np.pi, np.pi) for joint in JOINTS)
     contours = PostureContours(chain, T, pair=[MINORS[k] for k in pair])
@@ -120,17 +100,10 @@ def equations_problem(
 ) -> CurveProblem:
     """Draw two of several equations in two unknowns.
 
-    Parameters
-    ----------
-    equations : callable
-        As for :class:`~robomech_ros.numerics.CurvePair`, all of them.
-    axes : tuple of Axis
-    pair : tuple of int
-        The two that are drawn.
-    count : int
-        How many there are.
-    period : float, optional
-        Of both unknowns.
+    - ``equations``: as for :class:`~robomech_ros.numerics.CurvePair`, all of them.
+    - ``pair``: the two that are drawn.
+    - ``count``: how many there are.
+    - ``period``: of both unknowns.
     """
     rest = [k for k in range(count) if k not in pair]
 

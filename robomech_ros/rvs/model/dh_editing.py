@@ -19,19 +19,12 @@ EXPECTED = "a joint from 1 to {n}, one of a, b, alpha and theta, and a number, a
 
 
 class DHChange(NamedTuple):
-    """One number of a table.
+    """One number of a table."""
 
-    Attributes
-    ----------
-    joint : int
-        From 0.
-    parameter : str
-    value : float
-        m or rad.
-    """
-
+    #: From 0.
     joint: int
     parameter: str
+    #: m or rad.
     value: float
 
 
@@ -43,11 +36,7 @@ def table_of(chain: SerialChain) -> DHTable:
 def read_change(text: str, joints: int) -> DHChange:
     """Read a change, such as ``2 a 0.5``.
 
-    Parameters
-    ----------
-    text : str
-    joints : int
-        How many there are.
+    - ``joints``: how many there are.
     """
     words = text.split()
     error = BadValueError("change of the DH table", text.strip(), EXPECTED.format(n=joints))
@@ -65,21 +54,11 @@ def read_change(text: str, joints: int) -> DHChange:
 def changed_robot(chain: SerialChain, change: DHChange) -> tuple[RobotDescription, SerialChain]:
     """Change a number of the table of an arm.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-    change : DHChange
+    - ``chain``: of n joints.
 
-    Returns
-    -------
-    tuple of RobotDescription and SerialChain
-        The arm alone, with its limits and names, without masses and meshes.
+    Returns the arm alone, with its limits and names, without masses and meshes.
 
-    Raises
-    ------
-    RobotDescriptionError
-        The number is too large.
+    Raises RobotDescriptionError: the number is too large.
     """
     table = table_of(chain)
     row = np.array(getattr(table, change.parameter))

@@ -19,35 +19,27 @@ _NONE = 1e-9
 class DHFrames(NamedTuple):
     """Frames and lines of n joints in the base (m).
 
-    Attributes
-    ----------
-    frames : ndarray, shape (n + 1, 4, 4)
-        Frame i has its z along the axis of joint i; the last is fixed to the last link.
-    axes : ndarray, shape (n, 2, 3)
-        Ends of the drawn part of each joint axis; the second is ahead along z.
-    offsets, normals : ndarray, shape (n, 2, 3)
-        From the origin of a frame along z by b to the common normal with the next axis, and along
-        this by a to the origin of the next frame.
-    names : dict of str to ndarray, shape (3,)
-        Texts and their positions: axes, and the lengths of offsets and normals that are not 0.
+    - ``offsets``, ``normals``: from the origin of a frame along z by b to the common normal with
+      the next axis, and along this by a to the origin of the next frame, shape (n, 2, 3).
     """
 
+    #: Frame i has its z along the axis of joint i, shape (n + 1, 4, 4); the last is fixed to the
+    #: last link.
     frames: Array
+    #: Ends of the drawn part of each joint axis, shape (n, 2, 3); the second is ahead along z.
     axes: Array
     offsets: Array
     normals: Array
+    #: Texts and their positions, shape (3,): axes, and the lengths of offsets and normals that are
+    #: not 0.
     names: dict[str, Array]
 
 
 def dh_frames(table: DHTable, q: Array, reach: float) -> DHFrames:
     """Place the frames of a table at joint values (n,) (rad or m).
 
-    Parameters
-    ----------
-    table : DHTable
-    q : ndarray, shape (n,)
-    reach : float
-        Of the robot (m).
+    - ``q``: shape (n,).
+    - ``reach``: of the robot (m).
     """
     slides = table.types == PRISMATIC
     b = table.b + np.where(slides, q, 0.0)

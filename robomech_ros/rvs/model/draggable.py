@@ -44,37 +44,22 @@ def slider_range(low: float, high: float, middle: float, most: float) -> SliderR
 class DraggableRobot(ABC):
     """A robot with its present posture; not for several threads at a time.
 
-    Parameters
-    ----------
-    name : str
-        Name of the robot.
-    base, end : str
-        Link in which poses are, and the link that is dragged.
-    travels : mapping of str to SliderRange
-        Joints that sliders move, and their ranges.
-    units : sequence of str
-        Of these joints.
-    state_joints : sequence of str
-        Joints of a posture.
-    home : ndarray, shape (n,)
-        Where it begins (rad or m).
+    - ``name``: name of the robot.
+    - ``base``, ``end``: link in which poses are, and the link that is dragged.
+    - ``travels``: joints that sliders move, and their ranges.
+    - ``units``: of these joints.
+    - ``state_joints``: joints of a posture.
+    - ``home``: where it begins (rad or m), shape (n,).
 
-    Attributes
-    ----------
-    kind : str
-        As its document says it; empty of an arm.
-    lists_postures : bool
-        Whether postures are listed, of which one can be taken.
-    slider_noun : str
-        What errors call a slider.
-    room : float
-        Least side of the ground around it (m).
-    world : WorldView or None
-        The objects around it; None if they are not known.
+    - ``lists_postures``: whether postures are listed, of which one can be taken.
+    - ``slider_noun``: what errors call a slider.
+    - ``room``: least side of the ground around it (m).
     """
 
+    #: As its document says it; empty of an arm.
     kind: ClassVar[str] = ARM
     lists_postures, slider_noun, room = True, "joint", 0.0
+    #: The objects around it; None if they are not known.
     world: WorldView | None = None
     _study: PoseStudy
 
@@ -174,10 +159,7 @@ class DraggableRobot(ABC):
     def drag(self, T: ArrayLike) -> None:
         """Bring the end to a pose (4, 4), in the base (m).
 
-        Raises
-        ------
-        RobomechError
-            It is no pose, or the robot cannot take it: it stays.
+        Raises RobomechError: it is no pose, or the robot cannot take it: it stays.
         """
 
     def release(self) -> None:

@@ -18,10 +18,7 @@ REST = 0.3
 class FollowingGoal:
     """Present and goal positions of a robot; for several threads.
 
-    Parameters
-    ----------
-    q : ndarray, shape (n,)
-        The goal at first (rad or m).
+    - ``q``: the goal at first (rad or m), shape (n,).
     """
 
     def __init__(self, q: Array) -> None:

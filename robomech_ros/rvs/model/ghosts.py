@@ -40,22 +40,15 @@ SAME, NOTHING = 0.02, 1e-6
 
 
 class GhostPieces(NamedTuple):
-    """Cylinders of unit radius and length along z, and how they are placed.
+    """Cylinders of unit radius and length along z, and how they are placed."""
 
-    Parameters
-    ----------
-    positions : ndarray, shape (m, 3)
-        In the base (m).
-    wxyz : ndarray, shape (m, 4)
-        Unit quaternions, scalar first.
-    scales : ndarray, shape (m, 3)
-        Radius, radius, length (m).
-    colours : ndarray of uint8, shape (m, 3)
-    """
-
+    #: In the base (m), shape (m, 3).
     positions: Array
+    #: Unit quaternions, scalar first, shape (m, 4).
     wxyz: Array
+    #: Radius, radius, length (m), shape (m, 3).
     scales: Array
+    #: shape (m, 3).
     colours: NDArray[np.uint8]
 
 
@@ -76,13 +69,8 @@ class GhostMaker(Protocol):
 class Ghosts:
     """The pieces of an arm, for as many postures as there are.
 
-    Parameters
-    ----------
-    chain : SerialChain
-    shapes : mapping of str to sequence of Shape
-        Generated shapes of its links.
-    slimness : float, optional
-        What is seen at one place together differs in it: the slimmer is inside.
+    - ``shapes``: generated shapes of its links.
+    - ``slimness``: what is seen at one place together differs in it: the slimmer is inside.
     """
 
     def __init__(
@@ -117,12 +105,8 @@ class Ghosts:
 
         A piece that lies where an earlier ghost has it is too small to be seen.
 
-        Parameters
-        ----------
-        postures : sequence of ndarray, each shape (n,)
-            rad or m.
-        colours : sequence of tuple of int
-            One for each.
+        - ``postures``: rad or m, shape (n,).
+        - ``colours``: one for each.
         """
         if not len(postures) or not self.pieces:
             return placed_pieces(np.empty((0, 4, 4)), np.empty((0, 3)), (), 0)

@@ -37,49 +37,31 @@ _HOLD = re.compile(r"(joint|linear|angular) ([0-9]{1,3}) ([+-]) ([0-9]{1,16}) ([
 
 @dataclass(frozen=True)
 class JogDirection:
-    """One way to jog.
+    """One way to jog."""
 
-    Parameters
-    ----------
-    kind : {"joint", "linear", "angular"}
-        A joint, or the tip along or about an axis.
-    index : int
-        Of the joint, or of the axis, from 0.
-    sign : int
-        1 or -1.
-    """
-
+    #: A joint, or the tip along or about an axis, one of "joint", "linear", "angular".
     kind: str
+    #: Of the joint, or of the axis, from 0.
     index: int
+    #: 1 or -1.
     sign: int
 
 
 class HoldHeartbeat(NamedTuple):
-    """Message that a page repeats while a button is pressed.
-
-    Attributes
-    ----------
-    direction : JogDirection
-    press : int
-        The same as long as the button is held.
-    age : float
-        How long it had been held (s) when the page said so.
-    """
+    """Message that a page repeats while a button is pressed."""
 
     direction: JogDirection
+    #: The same as long as the button is held.
     press: int
+    #: How long it had been held (s) when the page said so.
     age: float
 
 
 def read_beat(text: str, joints: int) -> HoldHeartbeat:
     """Read what a page says while a button is held.
 
-    Parameters
-    ----------
-    text : str
-        Direction, number of the press and its age (ms): ``"joint 2 + 1712 500"``.
-    joints : int
-        How many there are.
+    - ``text``: direction, number of the press and its age (ms): ``"joint 2 + 1712 500"``.
+    - ``joints``: how many there are.
     """
     found = _HOLD.fullmatch(text)
     if found is None:
@@ -98,13 +80,9 @@ class JogSwitch(Generic[Held]):
 
     A press that has ended, for whatever reason, stays ended; see above for what ends it.
 
-    Parameters
-    ----------
-    silence : float
-        After so long (s) without a word, or with a word that took so much longer than another one
-        of the press, it is off.
-    clock : callable
-        Gives the time (s).
+    - ``silence``: after so long (s) without a word, or with a word that took so much longer than
+      another one of the press, it is off.
+    - ``clock``: gives the time (s).
     """
 
     def __init__(self, silence: float, clock: Callable[[], float]) -> None:
@@ -119,14 +97,9 @@ class JogSwitch(Generic[Held]):
     def hold(self, what: Held, press: int, age: float) -> None:
         """Go on with a press, or begin one.
 
-        Parameters
-        ----------
-        what : object
-            What is held.
-        press : int
-            Its number.
-        age : float
-            How long it had been held (s) when this was said.
+        - ``what``: what is held.
+        - ``press``: its number.
+        - ``age``: how long it had been held (s) when this was said.
         """
         with self._change:
             self._end_if_silent()

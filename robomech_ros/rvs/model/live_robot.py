@@ -16,51 +16,34 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class ViewMarker:
-    """Something to be drawn beside the robot.
+    """Something to be drawn beside the robot."""
 
-    Parameters
-    ----------
-    name : str
-        One of a kind among those that are shown together.
-    link : str
-        In whose frame it is.
-    kind : {"sphere", "box", "cylinder", "arrow", "lines", "text"}
-    pose : ndarray, shape (4, 4)
-        In the frame of the link (m).
-    measures : tuple of three float
-        Diameters, or lengths of edges (m); of lines the first is the width, of arrows the
-        diameters of shaft and head and the length of the head, of a text the last is its height.
-    points : ndarray, shape (m, 3)
-        Ends of an arrow, or pairs of ends of lines, in the frame of the pose (m).
-    colour : tuple of four float
-        Red, green, blue and alpha from 0 to 1.
-    text : str, optional
-        What is written.
-    """
-
+    #: One of a kind among those that are shown together.
     name: str
+    #: In whose frame it is.
     link: str
+    #: One of "sphere", "box", "cylinder", "arrow", "lines", "text".
     kind: str
+    #: In the frame of the link (m), shape (4, 4).
     pose: Array
+    #: Diameters, or lengths of edges (m); of lines the first is the width, of arrows the diameters
+    #: of shaft and head and the length of the head, of a text the last is its height.
     measures: tuple[float, float, float]
+    #: Ends of an arrow, or pairs of ends of lines, in the frame of the pose (m), shape (m, 3).
     points: Array
+    #: Red, green, blue and alpha from 0 to 1.
     colour: tuple[float, float, float, float]
+    #: What is written.
     text: str = ""
 
 
 @dataclass(frozen=True)
 class ServoNews:
-    """Latest state of the servo.
+    """Latest state of the servo."""
 
-    Parameters
-    ----------
-    text : str
-        What limits the motion; empty if nothing does.
-    scale : float
-        At which part of the commanded speed the robot moves.
-    """
-
+    #: What limits the motion; empty if nothing does.
     text: str
+    #: At which part of the commanded speed the robot moves.
     scale: float
 
 
@@ -105,14 +88,9 @@ class LiveRobot(Protocol):
     def hold(self, beat: HoldHeartbeat, frame: str, speed: float) -> None:
         """Jog while this is said again and again.
 
-        Parameters
-        ----------
-        beat : HoldHeartbeat
-            Of a press that has ended it does nothing any more.
-        frame : {"base", "tip"}
-            Whose axes those of the tip's motion are.
-        speed : float
-            Part of the greatest jogging speed, from 0 to 1.
+        - ``beat``: of a press that has ended it does nothing any more.
+        - ``frame``: whose axes those of the tip's motion are, one of "base", "tip".
+        - ``speed``: part of the greatest jogging speed, from 0 to 1.
         """
 
     def let_go(self) -> None:
@@ -121,23 +99,15 @@ class LiveRobot(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Stance:
-    """How safely a walking machine stands.
+    """How safely a walking machine stands."""
 
-    Parameters
-    ----------
-    support : Support
-        On which feet.
-    margin : float
-        As it says itself (m).
-    bound : float
-        That it keeps (m).
-    gait : str
-        In which it walks; empty if that is not known.
-    """
-
+    #: On which feet.
     support: Support
+    #: As it says itself (m).
     margin: float
+    #: That it keeps (m).
     bound: float
+    #: In which it walks; empty if that is not known.
     gait: str
 
 

@@ -29,16 +29,9 @@ class ColouredSolid(NamedTuple):
 def read_mesh(path: Path, filename: str) -> list[ColouredSolid]:
     """Read the triangles of a file (STL, OBJ, PLY, GLB; DAE where pycollada is installed).
 
-    Parameters
-    ----------
-    path : Path
-    filename : str
-        What the URDF calls it, for messages.
+    - ``filename``: what the URDF calls it, for messages.
 
-    Raises
-    ------
-    MeshError
-        It cannot be read, is too large, or has no triangle.
+    Raises MeshError: it cannot be read, is too large, or has no triangle.
     """
     try:
         import trimesh

@@ -21,39 +21,26 @@ _PER = ("", "/s", "/s²", "/s³")
 class Quantity(NamedTuple):
     """One quantity of the joints that have it in the same unit.
 
-    Parameters
-    ----------
-    name, unit : str
-    joints : tuple of int
-        Of the k joints.
-    values : ndarray, shape (m, k)
-        In this unit.
-    lower, upper : ndarray, shape (k,)
-        Its limits; infinite where there is none.
+    - ``lower``, ``upper``: its limits, shape (k,); infinite where there is none.
     """
 
     name: str
     unit: str
+    #: Of the k joints.
     joints: tuple[int, ...]
+    #: In this unit, shape (m, k).
     values: Array
     lower: Array
     upper: Array
 
 
 class MotionCurves(NamedTuple):
-    """The curves of a motion.
+    """The curves of a motion."""
 
-    Parameters
-    ----------
-    times : ndarray, shape (m,)
-        From 0 on (s).
-    quantities : tuple of Quantity
-    missing : tuple of str
-        A sentence for each quantity that is not known.
-    """
-
+    #: From 0 on (s), shape (m,).
     times: Array
     quantities: tuple[Quantity, ...]
+    #: A sentence for each quantity that is not known.
     missing: tuple[str, ...]
 
 

@@ -18,19 +18,12 @@ SLAB, BELOW = 1e-3, 1e-3
 
 
 class ObjectPart(NamedTuple):
-    """A shape of an object.
-
-    Parameters
-    ----------
-    solid : Solid
-    pose : ndarray, shape (4, 4)
-        In the object (m).
-    endless : bool
-        Whether it is a piece of a plane.
-    """
+    """A shape of an object."""
 
     solid: Solid
+    #: In the object (m), shape (4, 4).
     pose: Array
+    #: Whether it is a piece of a plane.
     endless: bool
 
     def corners(self, pose: Array | None = None) -> Array:

@@ -21,36 +21,24 @@ if TYPE_CHECKING:
 
 
 class JogDirection(NamedTuple):
-    """A direction in which it is jogged.
+    """A direction in which it is jogged."""
 
-    Parameters
-    ----------
-    name : str
-        For people.
-    kind : {"linear", "angular"}
-    axis : int
-        Of its twist.
-    """
-
+    #: For people.
     name: str
+    #: One of "linear", "angular".
     kind: str
+    #: Of its twist.
     axis: int
 
 
 class Shift(NamedTuple):
-    """How the trunk can be moved over feet that stay.
+    """How the trunk can be moved over feet that stay."""
 
-    Parameters
-    ----------
-    name : str
-        For people.
-    unit : {"m", "rad"}
-    most : float
-        How far either way (m or rad).
-    """
-
+    #: For people.
     name: str
+    #: One of "m", "rad".
     unit: str
+    #: How far either way (m or rad).
     most: float
 
 
@@ -64,25 +52,14 @@ JOG_DIRECTIONS = (
 class ObservedRobot(TreeView):
     """A robot that is not moved on the page.
 
-    Parameters
-    ----------
-    view : MobileRobotView
-        The same robot at rest, which is drawn.
-    joints : sequence of str
-        Those that are reported.
-    placed : callable
-        Gives the joints that place it, for its pose over the ground (4, 4).
-    directions : sequence of JogDirection
-        In which it can be jogged.
-    gaits : sequence of str, optional
-        In which it can walk.
-    shifts : sequence of Shift, optional
-        Of the trunk: x, y, z, roll, pitch, yaw.
+    - ``view``: the same robot at rest, which is drawn.
+    - ``joints``: those that are reported.
+    - ``placed``: gives the joints that place it, for its pose over the ground (4, 4).
+    - ``directions``: in which it can be jogged.
+    - ``gaits``: in which it can walk.
+    - ``shifts``: of the trunk: x, y, z, roll, pitch, yaw.
 
-    Attributes
-    ----------
-    trail : Trail
-        Past positions.
+    - ``trail``: past positions.
     """
 
     def __init__(

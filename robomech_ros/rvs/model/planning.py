@@ -28,20 +28,13 @@ SAME = 1e-4
 
 
 class MadePlan(NamedTuple):
-    """A plan, and what is to be said of it.
+    """A plan, and what is to be said of it."""
 
-    Parameters
-    ----------
-    motion : Motion or None
-        None where there is none.
-    sentence : str
-        How long it is, or why it ends early or is not there.
-    complete : bool
-        Whether it ends at the goal.
-    """
-
+    #: None where there is none.
     motion: Motion | None
+    #: How long it is, or why it ends early or is not there.
     sentence: str
+    #: Whether it ends at the goal.
     complete: bool
 
 
@@ -50,24 +43,14 @@ def plan_between(
 ) -> MadePlan:
     """Plan a motion from rest to rest; of a parallel robot, in one assembly mode.
 
-    Parameters
-    ----------
-    robot : SerialChain or Mechanism
-        Of n joints, within whose limits to move.
-    start, goal : ndarray, shape (n,)
-        Postures (rad or m), loops closed; along a line the pose of the goal counts, otherwise its
-        joints or drives.
-    kind : str
-        One of ``PATH_KINDS``.
-    profile : str
-        One of :data:`robomech_ros.trajectory.PROFILES`; not each of them suits a line.
+    - ``robot``: of n joints, within whose limits to move.
+    - ``start``, ``goal``: postures (rad or m), loops closed, shape (n,); along a line the pose of
+      the goal counts, otherwise its joints or drives.
+    - ``kind``: one of ``PATH_KINDS``.
+    - ``profile``: one of :data:`robomech_ros.trajectory.PROFILES`; not each of them suits a line.
 
-    Raises
-    ------
-    BadValueError
-        An unknown way or profile, or the start is the goal.
-    RobomechError
-        As for the planners: limits are missing, a posture is outside them.
+    Raises BadValueError: an unknown way or profile, or the start is the goal. RobomechError: as for
+    the planners: limits are missing, a posture is outside them.
     """
     as_choice("way", kind, PATH_KINDS)
     if kind == LINE:

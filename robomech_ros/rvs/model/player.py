@@ -14,17 +14,10 @@ SLOWEST, FASTEST = 0.1, 10.0
 class Player:
     """A place in a motion that goes on while it plays.
 
-    Attributes
-    ----------
-    duration : float
-        Of the motion (s).
-    time : float
-        Since its beginning (s).
-    speed : float
-        Times that of the motion.
-    loop : bool
-        Whether it begins again at its end.
-    playing : bool
+    - ``duration``: of the motion (s).
+    - ``time``: since its beginning (s).
+    - ``speed``: times that of the motion.
+    - ``loop``: whether it begins again at its end.
     """
 
     def __init__(self) -> None:

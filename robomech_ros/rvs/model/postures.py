@@ -26,26 +26,17 @@ HERE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Posture:
-    """One way to take a pose.
+    """One way to take a pose."""
 
-    Parameters
-    ----------
-    q : ndarray, shape (n,)
-        Joint values (rad or m).
-    name : str
-        Its branch.
-    distance : float
-        Largest move of a joint from the present posture (rad or m).
-    margin : float
-        Distance of the joint nearest to a limit (rad or m).
-    condition : float
-        Condition number of the Jacobian in SI units; infinite where singular.
-    """
-
+    #: Joint values (rad or m), shape (n,).
     q: Array
+    #: Its branch.
     name: str
+    #: Largest move of a joint from the present posture (rad or m).
     distance: float
+    #: Distance of the joint nearest to a limit (rad or m).
     margin: float
+    #: Condition number of the Jacobian in SI units; infinite where singular.
     condition: float
 
     @property
@@ -58,34 +49,25 @@ class Posture:
 class PoseStudy:
     """All that is shown of one pose.
 
-    Parameters
-    ----------
-    target : ndarray, shape (4, 4)
-        ``T_base_tip`` (m).
-    postures : tuple of Posture
-        Inside the limits, in the order of their names, so that each keeps its place while the arm
-        moves; samples of a self-motion are in the order of their distance.
-    complete : bool
-        Whether these are provably all.
-    status : Status
-    reason : str
-        Why there is none, or what else is to be said, in a sentence; may be empty.
-    nearest : ndarray, shape (n,), or None
-        Where there is none: the posture inside the limits that misses the pose least.
-    position_error, orientation_error : float
-        By how much the nearest posture misses it (m, rad); 0 where there are postures.
-    text : str, optional
-        What the robot itself says of the pose, instead of how many postures there are.
+    - ``position_error``, ``orientation_error``: by how much the nearest posture misses it (m, rad);
+      0 where there are postures.
     """
 
+    #: ``T_base_tip`` (m), shape (4, 4).
     target: Array
+    #: Inside the limits, in the order of their names, so that each keeps its place while the arm
+    #: moves; samples of a self-motion are in the order of their distance.
     postures: tuple[Posture, ...]
+    #: Whether these are provably all.
     complete: bool
     status: Status
+    #: Why there is none, or what else is to be said, in a sentence; may be empty.
     reason: str
+    #: Where there is none, shape (n,): the posture inside the limits that misses the pose least.
     nearest: Array | None = None
     position_error: float = 0.0
     orientation_error: float = 0.0
+    #: What the robot itself says of the pose, instead of how many postures there are.
     text: str | None = None
 
     @property
@@ -124,14 +106,9 @@ def pose_summary(
 def study_pose(chain: SerialChain, T: Array, present: Array) -> PoseStudy:
     """Find every posture of an arm at a pose, or why there is none and what is nearest.
 
-    Parameters
-    ----------
-    chain : SerialChain
-        Of n joints.
-    T : ndarray, shape (4, 4)
-        ``T_base_tip`` (m).
-    present : ndarray, shape (n,)
-        Where the arm is (rad or m), inside its limits.
+    - ``chain``: of n joints.
+    - ``T``: ``T_base_tip`` (m), shape (4, 4).
+    - ``present``: where the arm is (rad or m), inside its limits, shape (n,).
     """
     result = inverse_kinematics(chain, T, seed=present)
     known = (result.complete, result.status, result.reason.rstrip("."))

@@ -32,25 +32,18 @@ _SCALE = np.array((
 class ReachPoints:
     """The points of a map that are reached.
 
-    Parameters
-    ----------
-    points : ndarray, shape (k, 3)
-        In the base (m).
-    values : ndarray, shape (k,)
-        What is measured there.
-    low, high : float
-        The ends of the scale.
-    unit : str
-        Empty for numbers of postures.
-    spacing : float
-        Between neighbours (m).
+    - ``low``, ``high``: the ends of the scale.
     """
 
+    #: In the base (m), shape (k, 3).
     points: Array
+    #: What is measured there, shape (k,).
     values: Array
     low: float
     high: float
+    #: Empty for numbers of postures.
     unit: str
+    #: Between neighbours (m).
     spacing: float
 
     @property
@@ -75,17 +68,10 @@ def computed_map(
 ) -> ReachMap:
     """Compute the map of the cube that holds all that an arm reaches.
 
-    Parameters
-    ----------
-    chain : SerialChain
-    orientations : str
-        One of ``ORIENTATIONS``.
-    density : str
-        One of ``DENSITIES``.
-    T : ndarray, shape (4, 4)
-        With the present orientation.
-    progress : callable
-        As for :func:`reach_map`; what it raises ends the computation.
+    - ``orientations``: one of ``ORIENTATIONS``.
+    - ``density``: one of ``DENSITIES``.
+    - ``T``: with the present orientation, shape (4, 4).
+    - ``progress``: as for :func:`reach_map`; what it raises ends the computation.
     """
     as_choice("orientations", orientations, ORIENTATIONS)
     count = DENSITIES[as_choice("points", density, tuple(DENSITIES))]
@@ -102,13 +88,8 @@ def computed_map(
 def reach_points(found: ReachMap, measure: str, *, cut: bool) -> ReachPoints:
     """Return the points that are reached, with what is measured there.
 
-    Parameters
-    ----------
-    found : ReachMap
-    measure : str
-        One of ``MEASURES``.
-    cut : bool
-        Whether points in the open sector about z are left out.
+    - ``measure``: one of ``MEASURES``.
+    - ``cut``: whether points in the open sector about z are left out.
     """
     as_choice("coloured by", measure, MEASURES)
     reached = found.reached.ravel() > 0

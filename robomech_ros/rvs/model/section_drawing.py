@@ -40,11 +40,7 @@ def draw_section(view: SectionView, on_press: str = "") -> str:
 
     A ring is in it, which :func:`here_rule` places.
 
-    Parameters
-    ----------
-    view : SectionView
-    on_press : str, optional
-        JavaScript that runs when the drawing is pressed, with ``text`` of the place.
+    - ``on_press``: JavaScript that runs when the drawing is pressed, with ``text`` of the place.
     """
     side = _side(view)
     regions = "".join(

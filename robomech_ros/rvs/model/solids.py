@@ -12,17 +12,11 @@ SIDES, RINGS = 24, 12
 
 
 class Solid(NamedTuple):
-    """A closed surface of triangles.
+    """A closed surface of triangles."""
 
-    Parameters
-    ----------
-    vertices : ndarray, shape (k, 3)
-        m.
-    faces : ndarray of int, shape (m, 3)
-        Counter-clockwise from outside.
-    """
-
+    #: m, shape (k, 3).
     vertices: Array
+    #: Counter-clockwise from outside, shape (m, 3).
     faces: IntArray
 
 

@@ -20,19 +20,14 @@ _FORM = "q:...;eye:x,y,z;at:x,y,z;show:..."
 class ViewState(NamedTuple):
     """State of the view of a page.
 
-    Parameters
-    ----------
-    q : ndarray, shape (n,)
-        rad or m.
-    eye, at : ndarray, shape (3,)
-        Where the eye is, and where it looks (m).
-    shown : mapping of str to bool
-        What is switched on.
+    - ``eye``, ``at``: where the eye is, and where it looks (m), shape (3,).
     """
 
+    #: rad or m, shape (n,).
     q: Array
     eye: Array
     at: Array
+    #: What is switched on.
     shown: Mapping[str, bool]
 
 
@@ -46,14 +41,9 @@ def text_from_state(state: ViewState) -> str:
 def state_from_text(text: str, joints: int, names: Sequence[str]) -> ViewState:
     """Read a state.
 
-    Parameters
-    ----------
-    text : str
-        As :func:`text_from_state` writes it.
-    joints : int
-        Of the arm; their limits are not checked here.
-    names : sequence of str
-        Of all that can be switched.
+    - ``text``: as :func:`text_from_state` writes it.
+    - ``joints``: of the arm; their limits are not checked here.
+    - ``names``: of all that can be switched.
     """
     if len(text) > LONGEST:
         raise BadValueError("view", f"{len(text)} characters", f"at most {LONGEST}")

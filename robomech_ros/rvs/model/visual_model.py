@@ -42,59 +42,36 @@ class ShapeError(RobomechError):
 
 @dataclass(frozen=True, eq=False)
 class BodyVisual:
-    """A body of a link.
-
-    Parameters
-    ----------
-    link : str
-    pose : ndarray, shape (4, 4)
-        In the link (m).
-    solid : Solid
-    colour : tuple of four float
-        Red, green, blue and alpha from 0 to 1.
-    """
+    """A body of a link."""
 
     link: str
+    #: In the link (m), shape (4, 4).
     pose: Array
     solid: Solid
+    #: Red, green, blue and alpha from 0 to 1.
     colour: Colour
 
 
 @dataclass(frozen=True, eq=False)
 class VisualModel:
-    """A robot and what is seen of it.
+    """A robot and what is seen of it."""
 
-    Parameters
-    ----------
-    tree : RobotDescription
-        Its links and joints; every joint's axis is in the frame of its link.
-    bodies : tuple of BodyVisual
-        At least one for each rigid part.
-    missing : tuple of str
-        A sentence for each body that cannot be shown; a generated one stands for it.
-    shapes : mapping of str to list of Shape
-        Generated drums, rods and bars of every part, by link.
-    """
-
+    #: Its links and joints; every joint's axis is in the frame of its link.
     tree: RobotDescription
+    #: At least one for each rigid part.
     bodies: tuple[BodyVisual, ...]
+    #: A sentence for each body that cannot be shown; a generated one stands for it.
     missing: tuple[str, ...]
+    #: Generated drums, rods and bars of every part, by link.
     shapes: Mapping[str, list[Shape]]
 
     def joint_poses(self, positions: Mapping[str, float]) -> tuple[Array, Array]:
         """Compute the poses of the links that joints move in the links before them.
 
-        Parameters
-        ----------
-        positions : mapping of str to float
-            rad or m, by joint; joints that mimic others follow them.
+        - ``positions``: rad or m, by joint; joints that mimic others follow them.
 
-        Returns
-        -------
-        places : ndarray, shape (k, 3)
-            In the order of :attr:`moving` (m).
-        turns : ndarray, shape (k, 4)
-            Unit quaternions, scalar last.
+        Returns ``places``: in the order of :attr:`moving` (m), shape (k, 3); ``turns``: unit
+        quaternions, scalar last, shape (k, 4).
         """
         at = self.tree.joint_positions(positions)
         return self._poses.at(np.array([at[joint.name] for joint in self.moving]))
@@ -125,10 +102,7 @@ class VisualModel:
 def load_visual_model(description: RobotDescription) -> VisualModel:
     """Collect what is to be seen of a robot, meshes where they are found.
 
-    Raises
-    ------
-    RobotDescriptionError
-        A number of a visual body is none.
+    Raises RobotDescriptionError: a number of a visual body is none.
     """
     document = urdf_from_description(description)
     tree = description_from_urdf(document, description.where)

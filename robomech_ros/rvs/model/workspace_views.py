@@ -33,27 +33,18 @@ OPENING = (-0.9, 0.9)
 
 @dataclass(frozen=True, eq=False)
 class SectionView:
-    """A section with the numbers of postures in it.
-
-    Parameters
-    ----------
-    chain : SerialChain
-    space : Workspace
-    in_tip : ndarray, shape (3,)
-        The point that is placed, in the frame of the tip (m).
-    axes : tuple of two Axis
-        What is drawn (m), at most as wide as it is high.
-    edges : tuple of two ndarray
-        Of the squares, along both axes (m).
-    counts : ndarray of int, shape (columns, rows)
-        Postures of the first joints in the middle of each square, the first of three being free.
-    """
+    """A section with the numbers of postures in it."""
 
     chain: SerialChain
     space: Workspace
+    #: The point that is placed, in the frame of the tip (m), shape (3,).
     in_tip: Array
+    #: What is drawn (m), at most as wide as it is high.
     axes: tuple[Axis, Axis]
+    #: Of the squares, along both axes (m).
     edges: tuple[Array, Array]
+    #: Postures of the first joints in the middle of each square, the first of three being free,
+    #: shape (columns, rows).
     counts: IntArray
 
     def local(self, T: Array) -> Array:
@@ -106,10 +97,7 @@ class SectionView:
     def surface(self, *, cut: bool) -> Solid | None:
         """Return what the boundary sweeps, in the base; None of an arm that stays in its plane.
 
-        Parameters
-        ----------
-        cut : bool
-            Whether a sector is left open, so that one sees inside.
+        - ``cut``: whether a sector is left open, so that one sees inside.
         """
         section = self.space.section
         if section.flat:

@@ -32,18 +32,10 @@ MOST_KNOWN = 256
 class WorldView:
     """A planning scene as a page shows it; not thread-safe.
 
-    Parameters
-    ----------
-    scene : PlanningScene
-        Only this object changes it.
+    - ``scene``: only this object changes it.
 
-    Attributes
-    ----------
-    scene : PlanningScene
-    version : int
-        Grows with every change.
-    ways : tuple of str
-        Kinds of plans around obstacles.
+    - ``version``: grows with every change.
+    - ``ways``: kinds of plans around obstacles.
     """
 
     ways = AROUND_KINDS
@@ -100,10 +92,7 @@ class WorldView:
         Pairs of links are left out, since some links of an arm are always near each other.  If
         anything touches, it is the deepest pair of all.
 
-        Parameters
-        ----------
-        q : ndarray, shape (n,)
-            rad or m.
+        - ``q``: rad or m, shape (n,).
         """
         key = q.tobytes()
         if key not in self._known:
@@ -185,22 +174,12 @@ def plan_around(
 ) -> MadePlan:
     """Plan a motion around the objects of a scene, from rest to rest.
 
-    Parameters
-    ----------
-    scene : PlanningScene
-    start, goal : ndarray, shape (n,)
-        Postures of its chain (rad or m).
-    kind : str
-        One of ``AROUND_KINDS``.
-    profile : str
-        As for :func:`robomech_ros.collision.timed_path`.
+    - ``start``, ``goal``: postures of its chain (rad or m), shape (n,).
+    - ``kind``: one of ``AROUND_KINDS``.
+    - ``profile``: as for :func:`robomech_ros.collision.timed_path`.
 
-    Raises
-    ------
-    BadValueError
-        An unknown way or profile, or the start is the goal.
-    RobomechError
-        As for ``PlanningScene.plan`` and ``timed_path``.
+    Raises BadValueError: an unknown way or profile, or the start is the goal. RobomechError: as for
+    ``PlanningScene.plan`` and ``timed_path``.
     """
     as_choice("way", kind, AROUND_KINDS)
     if np.array_equal(start, goal):
@@ -221,13 +200,8 @@ def plan_around(
 def scene_for(chain: SerialChain, scene: PlanningScene, objects: PlanningScene) -> PlanningScene:
     """Return a scene of a chain with the objects of another scene.
 
-    Parameters
-    ----------
-    chain : SerialChain
-    scene : PlanningScene
-        If it is of this chain, its ignored pairs of links are kept.
-    objects : PlanningScene
-        The scene with the objects; those on unknown links are left out.
+    - ``scene``: if it is of this chain, its ignored pairs of links are kept.
+    - ``objects``: the scene with the objects; those on unknown links are left out.
     """
     made = scene.copy() if scene.chain is chain else PlanningScene(chain)
     for name in made.objects:

@@ -36,12 +36,8 @@ class PageClients:
 
     Not for several threads at a time.
 
-    Parameters
-    ----------
-    make_controls : callable
-        Gives a browser (viser.ClientHandle) the controls.
-    taken_over : callable
-        Called with the identifier of a browser that wants to command.
+    - ``make_controls``: gives a browser (viser.ClientHandle) the controls.
+    - ``taken_over``: called with the identifier of a browser that wants to command.
     """
 
     def __init__(

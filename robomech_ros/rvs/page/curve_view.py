@@ -52,15 +52,9 @@ class Owner(Protocol):
 class CurveView:
     """The curves of two equations in one browser.
 
-    Parameters
-    ----------
-    gui : viser.GuiApi
-        Where its controls go.
-    owner : Owner
-    names : sequence of str
-        Of the equations; the curves of two are drawn.
-    pair : tuple of int
-        Those that are drawn at first.
+    - ``gui``: where its controls go, viser.GuiApi.
+    - ``names``: of the equations; the curves of two are drawn.
+    - ``pair``: those that are drawn at first.
     """
 
     def __init__(self, gui: Any, owner: Owner, names: Sequence[str], pair: tuple[int, int]) -> None:
@@ -120,10 +114,7 @@ class CurveView:
     def draw(self, here: Array | None = None) -> None:
         """Draw the curves anew; what was found on the former ones is forgotten.
 
-        Parameters
-        ----------
-        here : ndarray, shape (2,), optional
-            Where something is now, which is marked.
+        - ``here``: where something is now, which is marked, shape (2,).
         """
         self._here = here
         self._owner.compute("draw", self._draw)

@@ -35,14 +35,8 @@ def curves_picture(
 ) -> str:
     """Draw curves of a motion as HTML; a cursor is in it, which :func:`cursor_rule` places.
 
-    Parameters
-    ----------
-    joints : sequence of str
-        Their names.
-    curves : MotionCurves
-    shown : str
-        The name of a quantity, or ``ALL``.
-    units : Units, optional
+    - ``joints``: their names.
+    - ``shown``: the name of a quantity, or ``ALL``.
     """
     chosen = [one for one in curves.quantities if shown in (ALL, one.name)]
     height = AMONG_OTHERS if len({one.name for one in chosen}) > 1 else ALONE

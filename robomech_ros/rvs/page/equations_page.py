@@ -20,18 +20,10 @@ WIDTH = 4000
 class EquationsPage(ServedPage):
     """A page of equations, served until it is closed.
 
-    Parameters
-    ----------
-    equations : callable
-        As in :func:`~robomech_ros.rvs.view_equations`.
-    axes : tuple of two Axis
-    count : int
-        How many equations there are.
-    period : float or None
-    pair : tuple of int
-        Those that are drawn at first, from 0.
-    port, host : int, str
-        As for :func:`robomech_ros.rvs.view`.
+    - ``equations``: as in :func:`~robomech_ros.rvs.view_equations`.
+    - ``count``: how many equations there are.
+    - ``pair``: those that are drawn at first, from 0.
+    - ``port``, ``host``: as for :func:`robomech_ros.rvs.view`.
     """
 
     root, roots = "a root", "roots"

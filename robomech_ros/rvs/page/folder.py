@@ -12,20 +12,12 @@ from robomech_ros.rvs.page.units import AngleSlider, Units, UnitText
 class Folder:
     """A folder, and what is in it, of which each control has something done.
 
-    Parameters
-    ----------
-    gui : viser.GuiApi
-        Of one browser.
-    units : Units
-        Of the page.
-    label : str
-    order : float
-        Among the folders of the page.
-    expanded : bool, optional
-        Whether it is open at first.
-    ask : callable, optional
-        Has the change of a control, known by its label, made elsewhere; by default it is made on
-        the thread of the server.
+    - ``gui``: of one browser, viser.GuiApi.
+    - ``units``: of the page.
+    - ``order``: among the folders of the page.
+    - ``expanded``: whether it is open at first.
+    - ``ask``: has the change of a control, known by its label, made elsewhere; by default it is
+      made on the thread of the server.
     """
 
     def __init__(

@@ -22,23 +22,15 @@ CROSS = "\N{MULTIPLICATION SIGN}"
 
 
 class Ghost(NamedTuple):
-    """One ghost.
+    """One ghost."""
 
-    Parameters
-    ----------
-    number : int
-        Of the posture, from 0; written beside the ghost from 1.
-    q : ndarray, shape (n,)
-        rad or m.
-    colour : tuple of int
-        Red, green, blue, 0 to 255.
-    struck : bool, optional
-        Whether its number is crossed out.
-    """
-
+    #: Of the posture, from 0; written beside the ghost from 1.
     number: int
+    #: rad or m, shape (n,).
     q: Array
+    #: Red, green, blue, 0 to 255.
     colour: Rgb
+    #: Whether its number is crossed out.
     struck: bool = False
 
     @property
@@ -50,14 +42,9 @@ class Ghost(NamedTuple):
 class GhostBatch:
     """Ghosts of one look.
 
-    Parameters
-    ----------
-    scene : viser.SceneApi
-    name : str
-        Of their node, at the base of the arm.
-    ghosts : GhostMaker
-    opacity : float
-        From 0 to 1.
+    - ``scene``: viser.SceneApi.
+    - ``name``: of their node, at the base of the arm.
+    - ``opacity``: from 0 to 1.
     """
 
     def __init__(self, scene: Any, name: str, ghosts: GhostMaker, opacity: float) -> None:

@@ -31,24 +31,18 @@ class Ask(Protocol):
     def __call__(self, kind: Hashable, request: Callable[[], None], source: object = None) -> None:
         """Ask; returns at once.
 
-        Parameters
-        ----------
-        kind : hashable
-            Of requests that wait, only the latest of a kind is done.
-        request : callable
-            May move the arm.  Its ``RobomechError`` is shown as a notice, and moves nothing.
-        source : object, optional
-            The control that asked, which is not set back to what it asked for.
+        - ``kind``: of requests that wait, only the latest of a kind is done.
+        - ``request``: may move the arm.  Its ``RobomechError`` is shown as a notice, and moves
+          nothing.
+        - ``source``: the control that asked, which is not set back to what it asked for.
         """
 
 
 class Switch(NamedTuple):
     """A part of what a layer shows, which the address of the page keeps.
 
-    Parameters
-    ----------
-    is_on, turn : callable
-        Says whether it is shown; and has it shown, or not, and marked so in the controls.
+    - ``is_on``, ``turn``: says whether it is shown; and has it shown, or not, and marked so in the
+      controls.
     """
 
     is_on: Callable[[], bool]
@@ -58,11 +52,7 @@ class Switch(NamedTuple):
 class PlanView:
     """The plan that a page shows, or none; not for several threads at a time.
 
-    Attributes
-    ----------
-    motion : Motion or None
-    name : str
-        What it is, for people.
+    - ``name``: what it is, for people.
     """
 
     def __init__(self) -> None:
@@ -82,73 +72,52 @@ class PlanView:
 class LayerContext:
     """Context of a layer.
 
-    Attributes
-    ----------
-    server : viser.ViserServer
-        Nodes and texts that all browsers see.
-    seen : VisualModel
-        The robot as it is drawn.
-    moved : DraggableRobot
-        The arm, or the parallel robot: to be read and moved in requests and in :meth:`Layer.show`
-        alone.
-    base : str
-        Node at the base of the arm, in which its poses are.
-    ask : Ask
-    plan : PlanView
-        The plan that is shown; to be read and changed where the arm is.
-    description : RobotDescription
-    replace : callable
-        Shows another robot and its arm on the same page; in requests alone.  Stage, layers and
-        controls are made anew.  Raises a ``RobomechError`` where that robot cannot be shown, and
-        leaves this one.
-    run : callable
-        Has something done as ``ask`` does, which shows by itself what came of it.
-    switched, switch : callable
-        Give what can be shown and whether it is, as for the browser that commands; and show a part
-        or not.
-    offered : dict
-        Where layers put what of theirs can be shown, by its name on the page, as a Switch each.
-    kept : dict
-        What layers leave here, by their names, those of the next robot find.
-    reveal : callable
-        Shows ghosts and gizmo, where they are to be shown, or hides them for a while; in requests
-        alone.
-    separate : callable
-        Draws the arm as a goal, translucent, beside the robot, which is the caller's to move from
-        then on; gives the nodes of the robot and of the goal.
-    fade : callable
-        Draws the robot translucent, or as it is.
-    path : callable
-        Gives the name of the node of a link.
-    units : Units
-        In which angles are written.
-    extents : dict
-        Where layers put callables that give points (k, 3) (m) in the root, which are to be in the
-        picture.
-    followers : list
-        Callables of layers that receive the joint positions of a running robot by name (rad or
-        m), on any thread.
+    - ``switched``, ``switch``: give what can be shown and whether it is, as for the browser that
+      commands; and show a part or not.
     """
 
+    #: Nodes and texts that all browsers see, viser.ViserServer.
     server: Any
+    #: The robot as it is drawn.
     seen: VisualModel
+    #: The arm, or the parallel robot: to be read and moved in requests and in :meth:`Layer.show`
+    #: alone.
     moved: DraggableRobot
+    #: Node at the base of the arm, in which its poses are.
     base: str
     ask: Ask
+    #: The plan that is shown; to be read and changed where the arm is.
     plan: PlanView
     description: RobotDescription
+    #: Shows another robot and its arm on the same page; in requests alone.  Stage, layers and
+    #: controls are made anew.  Raises a ``RobomechError`` where that robot cannot be shown, and
+    #: leaves this one.
     replace: Callable[[RobotDescription, SerialChain], None]
+    #: Has something done as ``ask`` does, which shows by itself what came of it.
     run: Callable[[Hashable, Callable[[], None]], None]
     switched: Callable[[], dict[str, bool]]
     switch: Callable[[str, bool], None]
+    #: Where layers put what of theirs can be shown, by its name on the page, as a Switch each.
     offered: dict[str, Switch]
+    #: What layers leave here, by their names, those of the next robot find.
     kept: dict[str, Any]
+    #: Shows ghosts and gizmo, where they are to be shown, or hides them for a while; in requests
+    #: alone.
     reveal: Callable[[bool], None]
+    #: Draws the arm as a goal, translucent, beside the robot, which is the caller's to move from
+    #: then on; gives the nodes of the robot and of the goal.
     separate: Callable[[], tuple[RobotNodes, RobotNodes]]
+    #: Draws the robot translucent, or as it is.
     fade: Callable[[bool], None]
+    #: Gives the name of the node of a link.
     path: Callable[[str], str]
+    #: In which angles are written.
     units: Units
+    #: Where layers put callables that give points (k, 3) (m) in the root, which are to be in the
+    #: picture.
     extents: dict[str, Callable[[], Array]] = field(default_factory=dict)
+    #: Callables of layers that receive the joint positions of a running robot by name (rad or m),
+    #: on any thread.
     followers: list[Callable[[Mapping[str, float]], None]] = field(default_factory=list)
 
     def robot_of(self, kind: type[Robot]) -> Robot:
@@ -186,13 +155,10 @@ class LayerContext:
 class Layer:
     """A part of a page; all methods are called on its thread, ``show`` inside one update.
 
-    Attributes
-    ----------
-    label, order, expanded : str, float, bool
-        Name of the layer's folder of controls, its position among the folders, and whether it is
-        open at first.
-    asks : bool
-        Whether changes of the controls are made on the thread of the page, not of the server.
+    - ``label``, ``order``, ``expanded``: name of the layer's folder of controls, its position among
+      the folders, and whether it is open at first.
+    - ``asks``: whether changes of the controls are made on the thread of the page, not of the
+      server.
     """
 
     label, order, expanded, asks = "", 0.0, False, True

@@ -16,11 +16,8 @@ from robomech_ros.rvs.page.node_space import placed
 class MarkerNodes:
     """The markers of several sources.
 
-    Parameters
-    ----------
-    scene : viser.SceneApi
-    path_of : callable
-        Gives the name of the node of a link.
+    - ``scene``: viser.SceneApi.
+    - ``path_of``: gives the name of the node of a link.
     """
 
     def __init__(self, scene: Any, path_of: Callable[[str], str]) -> None:

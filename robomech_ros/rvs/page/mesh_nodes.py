@@ -16,18 +16,11 @@ def add_mesh(
 ) -> Any:
     """Add a solid of one colour (0 to 255) to a scene; gives the node.
 
-    Parameters
-    ----------
-    scene : viser.SceneApi
-    name : str
-        Of the node.
-    solid : Solid
-    colour : tuple of int
-        Red, green and blue.
-    alpha : float, optional
-        From 0 to 1.
-    **options
-        Of ``add_mesh_simple``.
+    - ``scene``: viser.SceneApi.
+    - ``name``: of the node.
+    - ``colour``: red, green and blue.
+    - ``alpha``: from 0 to 1.
+    - ``**options``: of ``add_mesh_simple``.
     """
     return scene.add_mesh_simple(
         name,

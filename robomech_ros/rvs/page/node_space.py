@@ -11,19 +11,13 @@ from robomech_ros.typing import Array
 
 
 class NodeSpace(NamedTuple):
-    """Where nodes go.
+    """Where nodes go."""
 
-    Attributes
-    ----------
-    scene : viser.SceneApi
-    base : str
-        Node above them: the base of the arm, the palm, or the ground.
-    reach : float
-        Size of the robot (m), which sizes of nodes are parts of.
-    """
-
+    #: viser.SceneApi.
     scene: Any
+    #: Node above them: the base of the arm, the palm, or the ground.
     base: str
+    #: Size of the robot (m), which sizes of nodes are parts of.
     reach: float
 
 

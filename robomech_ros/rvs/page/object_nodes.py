@@ -38,14 +38,10 @@ class _DrawnObject(NamedTuple):
 class ObjectNodes:
     """The objects of a planning scene.
 
-    Parameters
-    ----------
-    space : NodeSpace
-        At the base of the arm.
-    path_of : callable
-        Gives the name of the node of a link.
-    clicked : callable, optional
-        Called with the browser (viser.ClientHandle) and the name of an object that it clicks on.
+    - ``space``: at the base of the arm.
+    - ``path_of``: gives the name of the node of a link.
+    - ``clicked``: called with the browser (viser.ClientHandle) and the name of an object that it
+      clicks on.
     """
 
     def __init__(
@@ -75,12 +71,8 @@ class ObjectNodes:
     def corners(self, poses: Mapping[str, Array], base: str) -> Array:
         """Return the vertices (k, 3) of all finite shapes in the root (m).
 
-        Parameters
-        ----------
-        poses : mapping of str to ndarray
-            Poses (4, 4) of the links in the root (m).
-        base : str
-            The base of the arm.
+        - ``poses``: poses (4, 4) of the links in the root (m).
+        - ``base``: the base of the arm.
         """
         points = [np.empty((0, 3))]
         for drawn in self._drawn.values():

@@ -30,17 +30,10 @@ WITH_THE_ARM = ("ghosts", "gizmo")
 class RobotPage(ServedPage):
     """A page of one robot, served until it is closed.
 
-    Parameters
-    ----------
-    description : RobotDescription
-    moved : SerialChain or DraggableRobot
-        The arm of it that is moved; or the robot, if it is no arm.
-    port, host : int, str
-        As for :func:`robomech_ros.rvs.view`.
-    layers : sequence of callable
-        Each makes a layer of the page.
-    fixed : bool, optional
-        Whether another robot is refused, as where this one runs.
+    - ``moved``: the arm of it that is moved; or the robot, if it is no arm.
+    - ``port``, ``host``: as for :func:`robomech_ros.rvs.view`.
+    - ``layers``: each makes a layer of the page.
+    - ``fixed``: whether another robot is refused, as where this one runs.
     """
 
     def __init__(
@@ -184,12 +177,8 @@ class RobotPage(ServedPage):
     def show_plan(self, motion: Motion, name: str = "plan") -> None:
         """Show a motion of the robot: a sweep of ghosts, and its curves; returns at once.
 
-        Parameters
-        ----------
-        motion : Motion
-            Of the joints of this page's arm, or of all those of its parallel robot.
-        name : str, optional
-            What it is, for people.
+        - ``motion``: of the joints of this page's arm, or of all those of its parallel robot.
+        - ``name``: what it is, for people.
         """
         self._check_joints(motion)
         self._ask("plan", lambda: self._show_plan(motion, name))

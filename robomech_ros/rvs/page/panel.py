@@ -33,19 +33,10 @@ AT_FIRST = {
 class Panel:
     """The controls of one browser.
 
-    Parameters
-    ----------
-    client : viser.ClientHandle
-        The browser.
-    arm : DraggableRobot
-    page : RobotPage
-    base : str
-        Node at the base of the arm.
-    reach : float
-        Of the robot (m).
-    switches : mapping of str to bool
-        What is shown, as :data:`AT_FIRST`, and whether the page is dark.
-    units : Units
+    - ``client``: the browser, viser.ClientHandle.
+    - ``base``: node at the base of the arm.
+    - ``reach``: of the robot (m).
+    - ``switches``: what is shown, as :data:`AT_FIRST`, and whether the page is dark.
     """
 
     def __init__(
@@ -160,11 +151,7 @@ class Panel:
     def update(self, arm: DraggableRobot, source: object) -> None:
         """Show where the arm is in all controls but the one that it was moved with.
 
-        Parameters
-        ----------
-        arm : DraggableRobot
-        source : object
-            The number of the joint, or the name of the control; None for none of them.
+        - ``source``: the number of the joint, or the name of the control; None for none of them.
         """
         for joint, slider in enumerate(self._sliders):
             # The one that moves may be farther already than what it asked for.

@@ -18,12 +18,7 @@ WIDTH = 0.02
 class PathNode:
     """A line through points, drawn as soon as there are two.
 
-    Parameters
-    ----------
-    space : NodeSpace
-    name : str
-        Of the node.
-    colour : tuple of three int
+    - ``name``: of the node.
     """
 
     def __init__(self, space: NodeSpace, name: str, colour: Rgb) -> None:

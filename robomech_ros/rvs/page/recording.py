@@ -59,18 +59,11 @@ def motion_page(
 ) -> str:
     """Return the page that plays a motion, as HTML.
 
-    Parameters
-    ----------
-    description, motion, title : RobotDescription, Motion, str
-        As for ``write_motion``.
-    markers : sequence of ViewMarker, optional
-        Drawn beside the robot.
-    notes : sequence of str, optional
-        Written under the title.
-    trail : str, optional
-        As for ``write_motion``.
-    objects : mapping of str to SceneObject, optional
-        Of a planning scene with the base of the motion.
+    - ``description``, ``motion``, ``title``: as for ``write_motion``.
+    - ``markers``: drawn beside the robot.
+    - ``notes``: written under the title.
+    - ``trail``: as for ``write_motion``.
+    - ``objects``: of a planning scene with the base of the motion.
     """
     seen = load_visual_model(description)
     server = guarded_server("127.0.0.1", 0, title)

@@ -29,14 +29,9 @@ MARKED = (220, 40, 40)
 class RobotNodes:
     """The nodes of a robot.
 
-    Parameters
-    ----------
-    scene : viser.SceneApi
-    seen : VisualModel
-    root : str, optional
-        Name of the node above all links.
-    tint : tuple of four float, optional
-        One colour for all bodies, from 0 to 1 with alpha; default their own.
+    - ``scene``: viser.SceneApi.
+    - ``root``: name of the node above all links.
+    - ``tint``: one colour for all bodies, from 0 to 1 with alpha; default their own.
     """
 
     def __init__(

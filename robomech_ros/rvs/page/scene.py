@@ -25,13 +25,8 @@ GOAL_ROOT, GOAL_TINT = "/goal", (1.0, 0.55, 0.1, 0.4)
 class PageScene:
     """The scene and the shared part of the panel.
 
-    Parameters
-    ----------
-    server : viser.ViserServer
-    seen : VisualModel
-    moved : DraggableRobot
-        The arm of it that is moved, or its platform.
-    units : Units
+    - ``server``: viser.ViserServer.
+    - ``moved``: the arm of it that is moved, or its platform.
     """
 
     def __init__(self, server: Any, seen: VisualModel, moved: DraggableRobot, units: Units) -> None:
@@ -74,10 +69,7 @@ class PageScene:
     def separate(self) -> tuple[RobotNodes, RobotNodes]:
         """Draw the arm as a goal, translucent, beside the robot, which the caller moves.
 
-        Returns
-        -------
-        robot, goal : RobotNodes
-            The goal is to be shown or hidden by the caller, and is moved here.
+        The goal is to be shown or hidden by the caller, and is moved here.
         """
         with self._server.atomic():
             self._arm = RobotNodes(self._server.scene, self._seen, GOAL_ROOT, GOAL_TINT)

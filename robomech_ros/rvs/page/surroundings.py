@@ -18,16 +18,10 @@ MOST_SQUARES = 12
 def add_surroundings(server: Any, reach: float) -> Any:
     """Add ground and lights to a scene.
 
-    Parameters
-    ----------
-    server : viser.ViserServer
-    reach : float
-        Of the robot (m).
+    - ``server``: viser.ViserServer.
+    - ``reach``: of the robot (m).
 
-    Returns
-    -------
-    viser.GridHandle
-        The ground.
+    Returns the ground (viser.GridHandle).
     """
     scene = server.scene
     scene.configure_environment_map(None)
@@ -70,11 +64,7 @@ def fit_camera(client: Any, points: Array) -> None:
 def set_theme(gui: Any, dark: bool) -> None:
     """Draw pages dark or light, without anything that leads elsewhere.
 
-    Parameters
-    ----------
-    gui : viser.GuiApi
-        Of all browsers, or of one.
-    dark : bool
+    - ``gui``: of all browsers, or of one, viser.GuiApi.
     """
     gui.configure_theme(
         control_width="large", dark_mode=dark, show_logo=False, show_share_button=False

@@ -14,15 +14,9 @@ from robomech_ros.spatial.arrays import as_flag
 class Switches:
     """The switches of a layer.
 
-    Parameters
-    ----------
-    place : LayerContext
-    labels : mapping of str to str
-        Labels on the page, by name.
-    on : dict of str to bool
-        Which of them are on; changed here.
-    changed : callable, optional
-        Called with the name of a switch and whether a person has changed it on the page.
+    - ``labels``: labels on the page, by name.
+    - ``on``: which of them are on; changed here.
+    - ``changed``: called with the name of a switch and whether a person has changed it on the page.
     """
 
     def __init__(

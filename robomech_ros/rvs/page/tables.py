@@ -79,14 +79,7 @@ def posture_table(
 ) -> str:
     """Return the table of the postures as HTML; a click on a row takes its posture.
 
-    Parameters
-    ----------
-    postures : sequence of Posture
-    colours : sequence of tuple of int
-    contacts : sequence of str
-        The contact in each posture, which is then struck out; empty for none.
-    joint_units : sequence of str
-    units : Units
+    - ``contacts``: the contact in each posture, which is then struck out; empty for none.
     """
     if not postures:
         return ""
@@ -147,12 +140,8 @@ def short_name(joint: str) -> str:
 def fact_table(name: str, facts: Sequence[tuple[str, str]]) -> str:
     """Write names and what is known of them as HTML; of an empty name only the fact is seen.
 
-    Parameters
-    ----------
-    name : str
-        Of the table, as the attribute ``data-name``.
-    facts : sequence of two str
-        Text, not HTML.
+    - ``name``: of the table, as the attribute ``data-name``.
+    - ``facts``: text, not HTML.
     """
     rows = []
     for what, fact in facts:

@@ -17,11 +17,7 @@ SHAFT, HEAD, HEAD_LENGTH = 0.007, 0.02, 0.05
 class TwistNodes:
     """The arrows of some twists, drawn as soon as there are any.
 
-    Parameters
-    ----------
-    space : NodeSpace
-    name : str
-        Of the nodes, to which ``_linear`` and ``_angular`` are added.
+    - ``name``: of the nodes, to which ``_linear`` and ``_angular`` are added.
     """
 
     def __init__(self, space: NodeSpace, name: str) -> None:

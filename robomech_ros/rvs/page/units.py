@@ -21,10 +21,7 @@ _EACH = re.compile(rf"(?<![\w.]){_NUMBER}")
 class Units:
     """The unit in which a page writes angles; values of the program are in rad.
 
-    Attributes
-    ----------
-    degrees : bool
-        Whether angles are in degrees.
+    - ``degrees``: whether angles are in degrees.
     """
 
     def __init__(self) -> None:
@@ -109,12 +106,7 @@ class UnitText:
 class AngleSlider:
     """A slider whose value is in the unit of the program.
 
-    Parameters
-    ----------
-    units : Units
-    handle : viser.GuiSliderHandle
-        In that unit.
-    unit, hint : str
+    - ``handle``: in that unit, viser.GuiSliderHandle.
     """
 
     def __init__(self, units: Units, handle: Any, unit: str, hint: str) -> None:

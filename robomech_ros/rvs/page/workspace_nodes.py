@@ -25,11 +25,8 @@ DIMMED = 0.6
 class WorkspaceNodes:
     """The nodes.
 
-    Parameters
-    ----------
-    space : NodeSpace
-    clicked : callable
-        Gets the browser (viser.ClientHandle) and the place (3,) of a point that is clicked (m).
+    - ``clicked``: gets the browser (viser.ClientHandle) and the place (3,) of a point that is
+      clicked (m).
     """
 
     def __init__(self, space: NodeSpace, clicked: Callable[[Any, Array], None]) -> None:

@@ -48,11 +48,7 @@ Answer = Callable[[Any, Request], "Response | None"]
 class AccessControl:
     """Checks requests to one server.
 
-    Parameters
-    ----------
-    host : str
-        The address that it listens on.
-    port : int
+    - ``host``: the address that it listens on.
     """
 
     def __init__(self, host: str, port: int) -> None:

@@ -83,10 +83,7 @@ _FIELDS: dict[str, dict[str, Check]] = {
 def is_acceptable(raw: object) -> bool:
     """Say whether a message is one that a page sends, all its numbers finite.
 
-    Parameters
-    ----------
-    raw : object
-        From the connection: text, or bytes in msgpack.
+    - ``raw``: from the connection: text, or bytes in msgpack.
     """
     if not isinstance(raw, bytes) or len(raw) > LONGEST_MESSAGE:
         return False

@@ -60,16 +60,10 @@ def _run(client: Any, source: str) -> None:
 def script_that_fills(label: str) -> str:
     """Return JavaScript that writes ``text`` into the text field of a label, as if it were typed.
 
-    Parameters
-    ----------
-    label : str
-        Without quotes.
+    - ``label``: without quotes.
 
-    Returns
-    -------
-    str
-        Nothing is written where there is no such field, or ``text`` is empty.  The same text with
-        a blank is another value, so that it counts again.
+    Nothing is written where there is no such field, or ``text`` is empty.  The same
+    text with a blank is another value, so that it counts again.
     """
     # The page is a React page: a field takes a value only by its native setter, and an event.
     return (

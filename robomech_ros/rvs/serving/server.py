@@ -85,11 +85,8 @@ class CheckedConnection(ServerConnection):
 class GuardedServer:
     """A running server.
 
-    Parameters
-    ----------
-    viser_server : viser.ViserServer
-    gate : AccessControl
-        In front of it.
+    - ``viser_server``: viser.ViserServer.
+    - ``gate``: in front of it.
     """
 
     def __init__(self, viser_server: viser.ViserServer, gate: AccessControl) -> None:
@@ -136,23 +133,12 @@ class ServedPage:
 def guarded_server(host: str, port: int, label: str) -> GuardedServer:
     """Start viser behind a gate.
 
-    Parameters
-    ----------
-    host : str
-        Address to listen on.
-    port : int
-        0 takes a free one.
-    label : str
-        Shown on top of the panel.
+    - ``host``: address to listen on.
+    - ``port``: 0 takes a free one.
+    - ``label``: shown on top of the panel.
 
-    Raises
-    ------
-    BadValueError
-        It is no port number.
-    AddressError
-        The system does not let anybody listen there.
-    PortTakenError
-        Somebody else listens there.
+    Raises BadValueError: it is no port number. AddressError: the system does not let anybody listen
+    there. PortTakenError: somebody else listens there.
     """
     listener = _listener(host, port)
     gate = AccessControl(host, listener.getsockname()[1])
@@ -223,10 +209,7 @@ class WakeUp(asyncio.Event):
     loop set it.  A sender that begins to wait between the two finds it not set, and never hears of
     it: what is set already wakes nobody.  Here the first does nothing.
 
-    Parameters
-    ----------
-    loop : asyncio.AbstractEventLoop
-        Of the server.
+    - ``loop``: of the server.
     """
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:

@@ -19,14 +19,9 @@ SAME = 1e-6
 class HandGhosts:
     """The pieces of a hand, for as many postures as there are.
 
-    Parameters
-    ----------
-    fingers : sequence of SerialChain
-        In the tree that is drawn.
-    shapes : mapping of str to sequence of Shape
-        Bodies of its links.
-    present : callable
-        Gives the posture of the hand (rad or m).
+    - ``fingers``: in the tree that is drawn.
+    - ``shapes``: bodies of its links.
+    - ``present``: gives the posture of the hand (rad or m).
     """
 
     def __init__(
@@ -56,12 +51,9 @@ class HandGhosts:
     def placed(self, postures: Sequence[Array], colours: Sequence[Rgb]) -> GhostPieces:
         """Place the pieces of ghosts; those of the first posture come first.
 
-        Parameters
-        ----------
-        postures : sequence of ndarray, each shape (n,)
-            All joints, finger by finger, and what places the object (rad or m).
-        colours : sequence of tuple of int
-            One for each.
+        - ``postures``: all joints, finger by finger, and what places the object (rad or m), shape
+          (n,).
+        - ``colours``: one for each.
         """
         count, parts = len(postures), self._split(postures)
         placed = [one.placed(part, colours) for one, part in zip(self._fingers, parts, strict=True)]

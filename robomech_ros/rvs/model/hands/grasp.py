@@ -30,47 +30,30 @@ USED_UP = 0.999
 
 @dataclass(frozen=True, eq=False)
 class Grasp:
-    """Contacts that fingers make, and the load between them.
-
-    Parameters
-    ----------
-    hand : Hand
-    q : ndarray, shape (n,)
-        All joints (rad or m).
-    contacts : tuple of Contact
-        In the palm.
-    fingers : tuple of int
-        The number of the finger of each contact.
-    centre : ndarray, shape (3,)
-        Of the object, in the palm (m).
-    load : ndarray, shape (6,)
-        Moment about the centre (N m), then force (N), in the axes of the palm.
-    """
+    """Contacts that fingers make, and the load between them."""
 
     hand: Hand
+    #: All joints (rad or m), shape (n,).
     q: Array
+    #: In the palm.
     contacts: tuple[Contact, ...]
+    #: The number of the finger of each contact.
     fingers: tuple[int, ...]
+    #: Of the object, in the palm (m), shape (3,).
     centre: Array
+    #: Moment about the centre (N m), then force (N), in the axes of the palm, shape (6,).
     load: Array
 
 
 @dataclass(frozen=True, eq=False)
 class GraspStudy:
-    """Result of a grasp study.
+    """Result of a grasp study."""
 
-    Parameters
-    ----------
-    forces : ndarray, shape (k, 3)
-        Of each finger on the object, in the palm (N); none where the load is not held.
-    separating : ndarray, shape (6,), or None
-        The wrench that would be needed and that no contact exerts, moment first.
-    lines : tuple of (str, str)
-        What is known, for people.
-    """
-
+    #: Of each finger on the object, in the palm (N), shape (k, 3); none where the load is not held.
     forces: Array
+    #: The wrench that would be needed and that no contact exerts, moment first, shape (6,).
     separating: Array | None
+    #: What is known, for people.
     lines: tuple[Line, ...]
 
 

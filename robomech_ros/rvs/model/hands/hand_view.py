@@ -41,18 +41,12 @@ MASKED = "; only x, y and z"
 
 @dataclass(frozen=True)
 class HeldObject:
-    """An object, its centre at the origin of its frame.
+    """An object, its centre at the origin of its frame."""
 
-    Parameters
-    ----------
-    shape : str
-        One of ``SHAPES``.
-    size : float
-        Radius of a ball or of a cylinder, which is as high as it is wide, or half the side of a
-        box, a cube (m).
-    """
-
+    #: One of ``SHAPES``.
     shape: str
+    #: Radius of a ball or of a cylinder, which is as high as it is wide, or half the side of a box,
+    #: a cube (m).
     size: float
 
     @property
@@ -66,12 +60,8 @@ class HeldObject:
     def touched(self, angle: float, height: float) -> tuple[Array, Array]:
         """Return a place of the surface and the normal into the object, each shape (3,).
 
-        Parameters
-        ----------
-        angle : float
-            About z, from x (rad).
-        height : float
-            Along z, from -1 to 1 times the size.
+        - ``angle``: about z, from x (rad).
+        - ``height``: along z, from -1 to 1 times the size.
         """
         outwards = np.array([math.cos(angle), math.sin(angle), 0.0])
         if self.shape == "ball":
@@ -90,14 +80,10 @@ class HeldObject:
 class Spot:
     """Contact of a finger with the object.
 
-    Parameters
-    ----------
-    touches : bool
-        Whether it does.
-    angle, height : float
-        As for ``HeldObject.touched``.
+    - ``angle``, ``height``: as for ``HeldObject.touched``.
     """
 
+    #: Whether it does.
     touches: bool
     angle: float
     height: float = 0.0
@@ -106,21 +92,13 @@ class Spot:
 class HandView(TreeView):
     """A hand, the object between its fingers, and a load; not for several threads at a time.
 
-    Attributes
-    ----------
-    held : HeldObject
-    spots : list of Spot
-        One for each finger.
-    model : str
-        Of all contacts, see :class:`~robomech_ros.hands.Contact`.
-    friction, torsional : float
-        The latter in m.
-    load : ndarray, shape (6,)
-        On the object: moment about its centre (N m), then force (N), in the axes of the palm.
-    sizes : tuple of float
-        Between what the size of the object is chosen (m).
-    reached : tuple of int
-        The fingers that touch the object.
+    - ``spots``: one for each finger.
+    - ``model``: of all contacts, see :class:`~robomech_ros.hands.Contact`.
+    - ``friction``, ``torsional``: the latter in m.
+    - ``load``: on the object, shape (6,): moment about its centre (N m), then force (N), in the
+      axes of the palm.
+    - ``sizes``: between what the size of the object is chosen (m).
+    - ``reached``: the fingers that touch the object.
     """
 
     kind = "hand"

@@ -24,12 +24,8 @@ _UNSEEN = [Shape(np.eye(4), 1e-5, 0.0, 0)]
 def hand_tree(hand: Hand) -> tuple[RobotDescription, Mapping[str, Sequence[Shape]]]:
     """Put fingers side by side, and joints that place an object, which has no body here.
 
-    Returns
-    -------
-    tree : RobotDescription
-        The link that a joint moves has the name of the joint, and ``_link``.
-    shapes : mapping of str to sequence of Shape
-        Bodies of the fingers, by link.
+    Returns ``tree``: the link that a joint moves has the name of the joint, and ``_link``;
+    ``shapes``: bodies of the fingers, by link.
     """
     fingers = fingers_tree(hand)
     shapes = generated_shapes(fingers.root, fingers.joints, ())

@@ -57,25 +57,17 @@ def on_ground(positions: Array) -> Array:
 class MobileRobotView(TreeView):
     """A robot that goes on in periods; not for several threads at a time.
 
-    Attributes
-    ----------
-    verb : str
-        What it does: drive, or walk.
-    period : float
-        s.
-    trail : Trail
-        Past positions.
-    command : ndarray, shape (3,)
-        The twist [w, vx, vy] that it is to have (rad/s, m/s).
-    most : ndarray, shape (3,)
-        Greatest velocities that sliders ask for (rad/s, m/s); 0 for none.
-    moved_joint : int or None
-        Number of the slider that moved it last, which is not set back meanwhile.
+    - ``trail``: past positions.
+    - ``command``: the twist [w, vx, vy] that it is to have (rad/s, m/s), shape (3,).
     """
 
+    #: What it does: drive, or walk.
     verb: ClassVar[str]
+    #: s.
     period: float
+    #: Greatest velocities that sliders ask for (rad/s, m/s), shape (3,); 0 for none.
     most: Array
+    #: Number of the slider that moved it last, which is not set back meanwhile.
     moved_joint: int | None = None
 
     def __init__(

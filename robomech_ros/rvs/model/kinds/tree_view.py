@@ -21,13 +21,8 @@ class TreeView(DraggableRobot):
 
     What takes part of a kind overrides ``dragged``.
 
-    Parameters
-    ----------
-    description : RobotDescription
-    travels : mapping of str to SliderRange
-        Between what each slider moves its joint (rad or m).
-    end : str
-        The link that is dragged, in the root.
+    - ``travels``: between what each slider moves its joint (rad or m).
+    - ``end``: the link that is dragged, in the root.
     """
 
     def __init__(
@@ -100,10 +95,7 @@ class TreeView(DraggableRobot):
     def drag(self, T: ArrayLike) -> None:
         """Bring the link to a pose (4, 4), as far as it can, in the root (m).
 
-        Raises
-        ------
-        RobomechError
-            It is no pose, or the robot cannot take it: it stays.
+        Raises RobomechError: it is no pose, or the robot cannot take it: it stays.
         """
         self.place(self.dragged(as_pose(T)))
 

@@ -17,21 +17,13 @@ def followed_motion(
 ) -> Motion:
     """Return the motion of all joints that a motion of the drives causes.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Of n joints and d drives.
-    times : ndarray, shape (m,)
-        s.
-    drives, rates, accelerations : ndarray, shape (m, d)
-        rad or m, and over s and s^2; the latter two None if they are not known.
-    start : ndarray, shape (n,)
-        Posture from which the joints follow, rad or m.
+    - ``mechanism``: of n joints and d drives.
+    - ``times``: s, shape (m,).
+    - ``drives``, ``rates``, ``accelerations``: rad or m, and over s and s^2, shape (m, d); the
+      latter two None if they are not known.
+    - ``start``: posture from which the joints follow, rad or m, shape (n,).
 
-    Returns
-    -------
-    Motion
-        As far as the robot can follow.
+    Returns the motion as far as the robot can follow.
     """
     q = follow_drives(mechanism, drives, start).q
     k, qd, qdd = len(q), None, None

@@ -23,18 +23,10 @@ SAME = 1e-6
 def limb_points(mechanism: Mechanism, q: Array, reach: float) -> Array:
     """Return where the joints of all limbs are.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-    q : ndarray, shape (k, n)
-        Postures (rad or m).
-    reach : float
-        How far from their point joints are whose axes all meet in one (m).
+    - ``q``: postures (rad or m), shape (k, n).
+    - ``reach``: how far from their point joints are whose axes all meet in one (m).
 
-    Returns
-    -------
-    ndarray, shape (k, limbs, joints, 3)
-        In the base (m).
+    Returns an array (k, limbs, joints, 3) in the base (m).
     """
     rows, start = [], 0
     for limb in mechanism.limbs:
@@ -68,13 +60,8 @@ def rod_poses(starts: Array, ends: Array) -> tuple[Array, Array]:
 class PlatformGhosts:
     """The pieces of a parallel robot, for as many postures as there are.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-    reach : float
-        Of the robot as it is seen (m).
-    slimness : float, optional
-        What is seen at one place together differs in it: the slimmer is inside.
+    - ``reach``: of the robot as it is seen (m).
+    - ``slimness``: what is seen at one place together differs in it: the slimmer is inside.
     """
 
     def __init__(self, mechanism: Mechanism, reach: float, slimness: float = 1.0) -> None:
@@ -91,12 +78,8 @@ class PlatformGhosts:
     def placed(self, postures: Sequence[Array], colours: Sequence[Rgb]) -> GhostPieces:
         """Place the pieces of ghosts; those of the first posture come first.
 
-        Parameters
-        ----------
-        postures : sequence of ndarray, each shape (n,)
-            rad or m.
-        colours : sequence of tuple of int
-            One for each.
+        - ``postures``: rad or m, shape (n,).
+        - ``colours``: one for each.
         """
         count, size = len(postures), min(self._mechanism.size, self._reach)
         points = limb_points(self._mechanism, np.array(postures), self._reach)

@@ -26,20 +26,13 @@ ANGULAR = 3
 
 @dataclass(frozen=True, eq=False)
 class PlatformList:
-    """Postures to be listed, and seen as ghosts.
+    """Postures to be listed, and seen as ghosts."""
 
-    Parameters
-    ----------
-    postures : tuple of Posture
-        Of all joints; the present one is among them.
-    complete : bool
-        Whether these are provably all.
-    text : str
-        How many there are, for people.
-    """
-
+    #: Of all joints; the present one is among them.
     postures: tuple[Posture, ...]
+    #: Whether these are provably all.
     complete: bool
+    #: How many there are, for people.
     text: str
 
 
@@ -48,15 +41,9 @@ def platform_list(
 ) -> PlatformList:
     """Find the assembly modes of a robot, or all branches of its limbs.
 
-    Parameters
-    ----------
-    robot : StewartGough, Delta, Planar3RPR, Planar3RRR, Spherical3RRR or Mechanism
-    q : ndarray, shape (n,)
-        Where its joints are (rad or m), loops closed.
-    kind : str
-        One of :data:`LISTS`.
-    before : sequence of Posture, optional
-        What was found a moment ago: each keeps its number.
+    - ``q``: where its joints are (rad or m), loops closed, shape (n,).
+    - ``kind``: one of :data:`LISTS`.
+    - ``before``: what was found a moment ago: each keeps its number.
     """
     mechanism = robot.mechanism
     if kind == LISTS[0]:
@@ -123,20 +110,13 @@ def _conditions(robot: ParallelRobot | Mechanism, rows: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class PlatformFacts:
-    """Facts about a posture.
-
-    Parameters
-    ----------
-    report : LoopSingularity
-    weakest : ndarray, shape (6,)
-        Twist of the platform, angular first, at its origin in the base (rad/s, m/s), that the
-        drives hold least.
-    mixed : bool
-        Whether the platform both turns and moves along.
-    """
+    """Facts about a posture."""
 
     report: LoopSingularity
+    #: Twist of the platform, angular first, at its origin in the base (rad/s, m/s), that the drives
+    #: hold least, shape (6,).
     weakest: Array
+    #: Whether the platform both turns and moves along.
     mixed: bool
 
     @property
@@ -158,11 +138,7 @@ class PlatformFacts:
 def platform_facts(robot: ParallelRobot | Mechanism, q: Array) -> PlatformFacts:
     """Judge a posture.
 
-    Parameters
-    ----------
-    robot : StewartGough, Delta, Planar3RPR, Planar3RRR, Spherical3RRR or Mechanism
-    q : ndarray, shape (n,)
-        All joints (rad or m), loops closed.
+    - ``q``: all joints (rad or m), loops closed, shape (n,).
     """
     mechanism = robot.mechanism
     T = mechanism.pose(q)

@@ -39,12 +39,7 @@ NOTHING, STEPS = 1e-9, 8
 
 
 class PlatformView(DraggableRobot):
-    """A parallel robot with its present posture, all loops closed.
-
-    Parameters
-    ----------
-    robot : StewartGough, Delta, Planar3RPR, Planar3RRR, Spherical3RRR or Mechanism
-    """
+    """A parallel robot with its present posture, all loops closed."""
 
     kind, slider_noun = "parallel", "drive"
 

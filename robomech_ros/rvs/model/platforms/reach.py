@@ -33,25 +33,19 @@ FREE, FREE_COLOUR, SINGULAR_COLOUR = "nothing, as far as is looked", (170, 170, 
 class PlatformReach:
     """The boundary of the positions or orientations that a platform gets to from where it is.
 
-    Parameters
-    ----------
-    parts : dict of str to ndarray, shape (k, 3, 3) or (k, 2, 3)
-        Of each cause, triangles in the space, or lines in the plane, in the base (m).
-    colours : dict of str to tuple of int
-        Of each cause, 0 to 255.
-    shares : dict of str to float
-        Part of the directions that each cause ends, from 0 to 1, the largest first.
-    least, greatest : float
-        How far the platform gets (m, or rad).
-    turns : bool
-        Whether it is turned: each turn is drawn along its axis from the platform.
+    - ``least``, ``greatest``: how far the platform gets (m, or rad).
     """
 
+    #: Of each cause, triangles in the space, or lines in the plane, in the base (m), shape (k, 3,
+    #: 3) or (k, 2, 3).
     parts: dict[str, Array]
+    #: Of each cause, 0 to 255.
     colours: dict[str, Rgb]
+    #: Part of the directions that each cause ends, from 0 to 1, the largest first.
     shares: dict[str, float]
     least: float
     greatest: float
+    #: Whether it is turned: each turn is drawn along its axis from the platform.
     turns: bool = False
 
     @property
@@ -65,13 +59,8 @@ def platform_reach(
 ) -> PlatformReach:
     """Find how far the platform gets from where it is; takes some 0.1 to 5 s.
 
-    Parameters
-    ----------
-    robot : StewartGough, Delta, Planar3RPR, Planar3RRR, Spherical3RRR or Mechanism
-    q : ndarray, shape (n,)
-        All joints (rad or m), loops closed.
-    turns : bool, optional
-        Whether the platform is turned at its place, instead of moved with its orientation.
+    - ``q``: all joints (rad or m), loops closed, shape (n,).
+    - ``turns``: whether the platform is turned at its place, instead of moved with its orientation.
     """
     T, planar = robot.mechanism.pose(q), isinstance(robot, Planar3RPR | Planar3RRR)
     if turns and planar:

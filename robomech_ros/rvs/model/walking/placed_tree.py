@@ -41,19 +41,12 @@ _DISC, _COLOUR = 0.15, (0.93, 0.55, 0.14, 1.0)
 def placed_tree(robot: RobotDescription, trunk: str, height: float) -> RobotDescription:
     """Put a machine on the ground, by its place there and by the pose of its trunk.
 
-    Parameters
-    ----------
-    robot : RobotDescription
-        Its legs and its trunk.
-    trunk : str
-        Its link.
-    height : float
-        Of the trunk that is level (m).
+    - ``robot``: its legs and its trunk.
+    - ``trunk``: its link.
+    - ``height``: of the trunk that is level (m).
 
-    Raises
-    ------
-    RobotDescriptionError
-        A link or joint of the machine has the name of one of these joints, or of the ground.
+    Raises RobotDescriptionError: a link or joint of the machine has the name of one of these
+    joints, or of the ground.
     """
     return extended_tree(robot, _parts(robot, trunk, height))
 
@@ -71,14 +64,9 @@ def extended_tree(robot: RobotDescription, parts: Iterable[str]) -> RobotDescrip
 def placing(base: Array, T: Array, height: float) -> dict[str, float]:
     """Return the joints that place the trunk.
 
-    Parameters
-    ----------
-    base : ndarray, shape (3,)
-        x, y (m) and heading (rad) of the machine.
-    T : ndarray, shape (4, 4)
-        The trunk over the ground (m).
-    height : float
-        Of the trunk that is level (m).
+    - ``base``: x, y (m) and heading (rad) of the machine, shape (3,).
+    - ``T``: the trunk over the ground (m), shape (4, 4).
+    - ``height``: of the trunk that is level (m).
     """
     c, s = np.cos(base[2]), np.sin(base[2])
     away = T[:3, 3] - (base[0], base[1], height)

@@ -14,23 +14,15 @@ from robomech_ros.walking import stability_margin, support_polygon
 
 @dataclass(frozen=True, eq=False)
 class Support:
-    """Feet, and the mass centre above them.
+    """Feet, and the mass centre above them."""
 
-    Parameters
-    ----------
-    legs : tuple of str
-        Their names.
-    feet : ndarray, shape (k, 3)
-        Over the ground (m).
-    contacts : ndarray of bool, shape (k,)
-        Which of them stand; at least one.
-    centre : ndarray, shape (2,)
-        The mass centre, projected to the ground (m).
-    """
-
+    #: Their names.
     legs: tuple[str, ...]
+    #: Over the ground (m), shape (k, 3).
     feet: Array
+    #: Which of them stand, shape (k,); at least one.
     contacts: BoolArray
+    #: The mass centre, projected to the ground (m), shape (2,).
     centre: Array
 
     @cached_property

@@ -32,21 +32,12 @@ ROOM, GIZMO = 4.0, 2.0
 class WalkerView(MobileRobotView):
     """A walking machine with its present posture and place; not for several threads at a time.
 
-    Attributes
-    ----------
-    height : float
-        Of the trunk that is level (m).
-    gaits : tuple of str
-        Names of the gaits that it can walk in.
-    chosen_gait : str
-        Name of the gait that was chosen last, which it takes up once it stands.
+    - ``height``: of the trunk that is level (m).
+    - ``gaits``: names of the gaits that it can walk in.
+    - ``chosen_gait``: name of the gait that was chosen last, which it takes up once it stands.
 
-    Raises
-    ------
-    MissingLimitsError
-        A joint has no limit of velocity.
-    RobotDescriptionError
-        One of its links or joints has the name of one that places it.
+    Raises MissingLimitsError: a joint has no limit of velocity. RobotDescriptionError: one of its
+    links or joints has the name of one that places it.
     """
 
     kind, verb = "walking", "walk"
@@ -115,10 +106,7 @@ class WalkerView(MobileRobotView):
 
         Where a leg cannot follow it stays, and the sentence says which.
 
-        Raises
-        ------
-        RobomechError
-            It is no pose.
+        Raises RobomechError: it is no pose.
         """
         self.moved_joint = None
         place = placing(self._update.base, as_pose(T), self.height)

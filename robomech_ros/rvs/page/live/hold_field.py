@@ -16,26 +16,15 @@ SLOWEST, AT_FIRST = 0.05, 0.5
 class HoldField:
     """A slider of the speed, and a hidden text field that a pad of buttons writes into.
 
-    Parameters
-    ----------
-    gui : viser.GuiApi
-        Of the browser.
-    joints : int
-        How many joints there are buttons for.
-    hold : callable
-        Goes on with a HoldHeartbeat at a part of the greatest jogging speed; raises a BadValueError
-        where that cannot be.
-    let_go : callable
-        Ends what is held.
-    refuse : callable
-        Says why something is refused.
+    - ``gui``: of the browser, viser.GuiApi.
+    - ``joints``: how many joints there are buttons for.
+    - ``hold``: goes on with a HoldHeartbeat at a part of the greatest jogging speed; raises a
+      BadValueError where that cannot be.
+    - ``let_go``: ends what is held.
+    - ``refuse``: says why something is refused.
 
-    Attributes
-    ----------
-    handle : viser.GuiInputHandle
-        Of the field.
-    gone : bool
-        Whether the browser commands no more; changed while nothing is held.
+    - ``handle``: of the field, viser.GuiInputHandle.
+    - ``gone``: whether the browser commands no more; changed while nothing is held.
     """
 
     def __init__(

@@ -48,12 +48,8 @@ _PRESS = (
 def jog_pad(field: str, joints: Sequence[str]) -> str:
     """Write the buttons, two for each joint and each axis of the tip, as HTML.
 
-    Parameters
-    ----------
-    field : str
-        Identifier of the text field that they write into, which is not seen.
-    joints : sequence of str
-        What the joints are called.
+    - ``field``: identifier of the text field that they write into, which is not seen.
+    - ``joints``: what the joints are called.
     """
     return hold_pad(field, [[(name, "joint", k) for k, name in enumerate(joints)], _TIP])
 
@@ -61,12 +57,8 @@ def jog_pad(field: str, joints: Sequence[str]) -> str:
 def hold_pad(field: str, columns: Sequence[Sequence[tuple[str, str, int]]]) -> str:
     """Write columns of buttons that are held, two a row, as HTML.
 
-    Parameters
-    ----------
-    field : str
-        Identifier of the text field that they write into, which is not seen.
-    columns : sequence of sequences of (str, str, int)
-        Of each row what it is called, and kind and number of what is jogged.
+    - ``field``: identifier of the text field that they write into, which is not seen.
+    - ``columns``: of each row what it is called, and kind and number of what is jogged.
     """
     script = _PRESS.replace("FIELD", field).replace("PERIOD", str(round(1000 * BEAT)))
     hidden = (

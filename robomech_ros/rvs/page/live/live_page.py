@@ -16,14 +16,8 @@ from robomech_ros.rvs.page.tables import STYLE, WARN
 class LivePage(Layer):
     """Common part of the pages of all running robots.
 
-    Parameters
-    ----------
-    place : LayerContext
-    robot : LiveRobot or LiveMobileRobot
-        ``begin`` is to be called at the end of the construction.
-    lines : sequence of str
-        Names of messages beside "state", "jog" and "result".
-    stop_hint : str
+    - ``robot``: ``begin`` is to be called at the end of the construction.
+    - ``lines``: names of messages beside "state", "jog" and "result".
     """
 
     def __init__(
