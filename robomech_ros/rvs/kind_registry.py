@@ -21,13 +21,15 @@ class ViewKind(NamedTuple):
 
     #: Modules and classes in ``rvs.layers``, in the order of their folders on the page.
     layers: tuple[str, ...]
-    #: Module and function in ``rvs.model``, which gives a :class:`TreeView` for a name, path or
-    #: text; none for arms and parallel robots.
+    #: Module and function that loads a robot, and module and class in ``rvs.model`` of a
+    #: :class:`TreeView` of it; none for arms and parallel robots.
     loader: str = ""
+    view: str = ""
 
     def load(self, robot: str | os.PathLike[str]) -> TreeView:
-        """Load a robot by name, path or text; errors are those of its kind."""
-        return resolve_name(f"robomech_ros.rvs.model.{self.loader}")(robot)
+        """Load a robot by name, path or text; errors are those of loader and view."""
+        loaded = resolve_name(f"robomech_ros.{self.loader}")(robot)
+        return resolve_name(f"robomech_ros.rvs.model.{self.view}")(loaded)
 
     def make_layers(self) -> list[LayerMaker]:
         """Return the layers; what is compiled for a kind is loaded here, where there is one."""
@@ -52,11 +54,14 @@ VIEW_KINDS: Mapping[str, ViewKind] = {
         "camera:CameraLayer",
     )),
     "rolling": ViewKind(
-        ("mobile_robot:MobileRobotLayer", "camera:CameraLayer"), "kinds.rolling:load_base_view"
+        ("mobile_robot:MobileRobotLayer", "camera:CameraLayer"),
+        "rolling:rolling_robot", "kinds.rolling:BaseView",
     ),
     "walking": ViewKind(
         ("mobile_robot:MobileRobotLayer", "walking:WalkingLayer", "camera:CameraLayer"),
-        "walking.walker_view:load_walker_view",
+        "walking:load_legged", "walking.walker_view:WalkerView",
     ),
-    "hand": ViewKind(("hands:HandLayer", "camera:CameraLayer"), "hands.hand_view:load_hand_view"),
+    "hand": ViewKind(
+        ("hands:HandLayer", "camera:CameraLayer"), "hands:load_hand", "hands.hand_view:HandView"
+    ),
 }  # fmt: skip

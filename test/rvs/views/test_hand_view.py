@@ -9,14 +9,9 @@ import pytest
 from robomech_ros.errors import RobomechError
 from robomech_ros.hands import grasp_matrix, load_hand
 from robomech_ros.kinematics import forward_kinematics
+from robomech_ros.rvs.kind_registry import VIEW_KINDS
 from robomech_ros.rvs.model.hands.grasp import quality_line, study_grasp
-from robomech_ros.rvs.model.hands.hand_view import (
-    SHAPES,
-    HandView,
-    HeldObject,
-    Spot,
-    load_hand_view,
-)
+from robomech_ros.rvs.model.hands.hand_view import SHAPES, HandView, HeldObject, Spot
 from robomech_ros.rvs.model.visual_model import load_visual_model
 from robomech_ros.spatial import pose_exponential
 
@@ -25,7 +20,7 @@ HAND = "three_fingered"
 
 @pytest.fixture
 def hand():
-    return load_hand_view(HAND)
+    return VIEW_KINDS["hand"].load(HAND)
 
 
 def tips(hand):
@@ -262,5 +257,9 @@ def test_values_that_are_none_are_refused(held, value):
     assert (hand.state, page._layers[0].on) == before
     send_value(connection, found["finger_3 height"]._impl.uuid, 0.25)
     wait_until(lambda: hand.spots[2].height == 0.25)
-    assert hand.spots[:2] == load_hand_view(HAND).spots[:2]
-    assert hand.held == load_hand_view(HAND).held and hand.friction == 0.6 and hand.model == "point"
+    assert hand.spots[:2] == VIEW_KINDS["hand"].load(HAND).spots[:2]
+    assert (
+        hand.held == VIEW_KINDS["hand"].load(HAND).held
+        and hand.friction == 0.6
+        and hand.model == "point"
+    )

@@ -8,7 +8,8 @@ import pytest
 from robomech_ros.errors import RobomechError
 from robomech_ros.rolling import list_rolling
 from robomech_ros.rolling.arcs import moved
-from robomech_ros.rvs.model.kinds.rolling import PERIOD, load_base_view
+from robomech_ros.rvs.kind_registry import VIEW_KINDS
+from robomech_ros.rvs.model.kinds.rolling import PERIOD
 from robomech_ros.spatial import pose_exponential
 
 ROBOTS = list_rolling()
@@ -22,7 +23,7 @@ def arrived(base, steps=500):
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_a_base_drives_as_commanded_on_an_arc_and_leaves_a_trail(name):
-    base = load_base_view(name)
+    base = VIEW_KINDS["rolling"].load(name)
     base.command[:] = base.robot.base.feasible(0.2 * base.most)
     arrived(base, 500)
     np.testing.assert_allclose(base.motion.twist, base.command, atol=1e-9)
@@ -47,7 +48,7 @@ def test_a_base_drives_as_commanded_on_an_arc_and_leaves_a_trail(name):
 
 
 def test_wheels_at_their_limits_are_named_and_marked():
-    base = load_base_view("mecanum")
+    base = VIEW_KINDS["rolling"].load("mecanum")
     assert base.study.sentence == "mecanum drive, mobility (3,0)."
     base.command[:] = [0.0, 0.8, 0.8]
     base.preview()
@@ -60,14 +61,14 @@ def test_wheels_at_their_limits_are_named_and_marked():
 
 
 def test_a_turn_too_sharp_for_the_steering_is_said():
-    base = load_base_view("ackermann")
+    base = VIEW_KINDS["rolling"].load("ackermann")
     base.command[:] = [8.0, 0.3, 0.0]
     base.preview()
     assert base.study.sentence.startswith("Steering does not turn so sharply.")
 
 
 def test_a_base_is_put_on_the_ground_wherever_it_is_dragged():
-    base = load_base_view("omni")
+    base = VIEW_KINDS["rolling"].load("omni")
     T = pose_exponential([0.3, -0.2, 0.9, 1.0, -2.0, 0.7])
     base.drag(T)
     np.testing.assert_allclose(base.pose[:2], T[:2, 3])
@@ -90,7 +91,7 @@ def test_a_base_is_put_on_the_ground_wherever_it_is_dragged():
     ],
 )
 def test_what_it_cannot_do_is_refused_and_it_stays(ask):
-    base = load_base_view("mecanum")
+    base = VIEW_KINDS["rolling"].load("mecanum")
     with pytest.raises(RobomechError):
         ask(base)
     assert not base.q.any()

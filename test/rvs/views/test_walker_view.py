@@ -7,10 +7,11 @@ import pytest
 
 from robomech_ros.errors import BadValueError, RobomechError, RobotDescriptionError
 from robomech_ros.robots import load_description
+from robomech_ros.rvs.kind_registry import VIEW_KINDS
 from robomech_ros.rvs.model.observed_robot import observed_walker
 from robomech_ros.rvs.model.walking.placed_tree import BODY_JOINTS, placed_tree, placing
 from robomech_ros.rvs.model.walking.support import Support
-from robomech_ros.rvs.model.walking.walker_view import WalkerView, load_walker_view
+from robomech_ros.rvs.model.walking.walker_view import WalkerView
 from robomech_ros.spatial import pose_exponential
 from robomech_ros.walking import LeggedRobot, list_legged, load_legged, stability_margin
 
@@ -33,7 +34,7 @@ def settled(walker, most=4000):
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_a_machine_walks_on_feet_that_stay_and_leaves_a_trail(name):
-    walker = load_walker_view(name)
+    walker = VIEW_KINDS["walking"].load(name)
     np.testing.assert_allclose(feet_seen(walker)[:, 2], 0.0, atol=1e-3)
     walker.command[:] = [0.0, 0.5 * walker.most[1], 0.0]
     lifted = set()
@@ -60,7 +61,7 @@ def test_a_machine_walks_on_feet_that_stay_and_leaves_a_trail(name):
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_what_is_told_of_the_margin_is_what_the_walk_keeps(name):
-    walker = load_walker_view(name)
+    walker = VIEW_KINDS["walking"].load(name)
     walker.command[1] = 0.5 * walker.most[1]
     for _ in range(300):
         walker.drive(1)
@@ -69,7 +70,7 @@ def test_what_is_told_of_the_margin_is_what_the_walk_keeps(name):
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_the_trunk_moves_over_feet_that_stay(name):
-    walker = load_walker_view(name)
+    walker = VIEW_KINDS["walking"].load(name)
     feet = feet_seen(walker)
     walker.set_joint(2, 0.01)
     walker.set_joint(5, 0.05)
@@ -87,7 +88,7 @@ def test_the_trunk_moves_over_feet_that_stay(name):
 
 
 def test_a_pose_that_a_leg_cannot_follow_is_refused_with_leg_and_joint():
-    walker = load_walker_view("phantomx")
+    walker = VIEW_KINDS["walking"].load("phantomx")
     before = walker.positions
     with pytest.raises(BadValueError, match="body_roll' is 0.3, expected one with which no leg"):
         walker.set_joint(3, 0.3)
@@ -101,7 +102,7 @@ def test_a_pose_that_a_leg_cannot_follow_is_refused_with_leg_and_joint():
 
 
 def test_a_drag_that_would_tip_it_moves_nothing_and_says_so():
-    walker = load_walker_view("go1")
+    walker = VIEW_KINDS["walking"].load("go1")
     T = walker.tip.copy()
     T[0, 3] += 0.15
     walker.drag(T)
@@ -110,7 +111,7 @@ def test_a_drag_that_would_tip_it_moves_nothing_and_says_so():
 
 
 def test_the_gait_changes_once_it_stands():
-    walker = load_walker_view("phantomx")
+    walker = VIEW_KINDS["walking"].load("phantomx")
     assert walker.gaits == ("wave", "ripple", "tripod")
     walker.command[1] = 0.05
     walker.drive(200)
@@ -137,7 +138,7 @@ def test_the_gait_changes_once_it_stands():
     ],
 )
 def test_what_it_cannot_do_is_refused_and_it_stays(ask):
-    walker = load_walker_view("go1")
+    walker = VIEW_KINDS["walking"].load("go1")
     before = walker.positions
     with pytest.raises(RobomechError):
         ask(walker)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from robomech_ros.hands import Contact, Hand, grasp_postures, hand_postures, load_hand
+from robomech_ros.hands import Contact, Hand, grasp_postures, hand_postures
 from robomech_ros.kinematics import InverseKinematicsResult, forward_kinematics
 from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.model.draggable import SliderRange
@@ -283,11 +282,6 @@ class HandView(TreeView):
             rest += f"; the nearest {len(postures)} are listed"
         text = f"{count} {noun} the object so; {rest}."
         return pose_summary(T, text, postures=postures, complete=complete)
-
-
-def load_hand_view(robot: str | os.PathLike[str]) -> HandView:
-    """Load a hand to be seen; errors are those of ``load_hand``."""
-    return HandView(load_hand(robot))
 
 
 def _length(finger: SerialChain) -> float:

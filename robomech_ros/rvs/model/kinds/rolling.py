@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Mapping
 
 import numpy as np
 
-from robomech_ros.rolling import CommandLimiter, rolling_robot
+from robomech_ros.rolling import CommandLimiter
 from robomech_ros.rolling.library import RollingRobot
 from robomech_ros.rolling.simulated import SimulatedBase
 from robomech_ros.rolling.tree import BASE_JOINTS, rolling_description
@@ -119,8 +118,3 @@ class BaseView(MobileRobotView):
         for name, angle in zip(base.steered, self.motion.steering, strict=True):
             lines.append((f"steering {name}", f"{angle + 0.0:.3f} rad"))
         return lines
-
-
-def load_base_view(robot: str | os.PathLike[str]) -> BaseView:
-    """Load a rolling robot to be seen; errors are those of ``rolling_robot``."""
-    return BaseView(rolling_robot(robot))

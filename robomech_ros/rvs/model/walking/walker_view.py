@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -15,7 +13,7 @@ from robomech_ros.rvs.model.walking.placed_tree import BODY_JOINTS, placed_tree,
 from robomech_ros.rvs.model.walking.support import Support
 from robomech_ros.spatial import as_pose
 from robomech_ros.typing import Array
-from robomech_ros.walking import GAITS, LeggedRobot, Walker, WalkUpdate, load_legged
+from robomech_ros.walking import GAITS, LeggedRobot, Walker, WalkUpdate
 
 # In this time (s) the trunk takes a pose, unless a joint would be too fast: it follows the mouse.
 HOP = 0.05
@@ -195,11 +193,6 @@ class WalkerView(MobileRobotView):
         joints = dict(zip(self.robot.joint_names, update.q.tolist(), strict=True))
         self.place(joints | placing(update.base, update.trunk, self.height))
         self.preview()
-
-
-def load_walker_view(robot: str | os.PathLike[str]) -> WalkerView:
-    """Load a walking machine to be seen; errors are those of ``load_legged`` and the class."""
-    return WalkerView(load_legged(robot))
 
 
 def _speeds(robot: LeggedRobot) -> dict[str, float]:
