@@ -61,7 +61,7 @@ def motion_from_trajectory(
     mechanism = model.mechanism
     if mechanism is None:
         return Motion(model.chain, given.times, given.positions, qd=qd, qdd=qdd)
-    from robomech_ros.rvs.model.platforms.drive_motions import followed_motion
+    from robomech_ros.rvs.model.drive_motions import followed_motion
 
     home = zip(mechanism.joint_names, mechanism.home().tolist(), strict=True)
     q = np.array([start.get(name, at) for name, at in home])

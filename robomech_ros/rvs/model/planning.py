@@ -11,7 +11,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.parallel import Mechanism, plan_drives, plan_platform
 from robomech_ros.robots import SerialChain
-from robomech_ros.rvs.model.platforms.drive_motions import followed_motion
+from robomech_ros.rvs.model.drive_motions import followed_motion
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory import PROFILES, nearest_turns, point_to_point
@@ -133,11 +133,14 @@ def _made(
 ) -> MadePlan:
     """Return the plan of a trajectory; the goal is None if it ends before."""
     times = sample_times(trajectory)
-    q, *rates = trajectory.sample(times)
+    q, qd, qdd, qddd = trajectory.sample(times)
     if isinstance(robot, SerialChain):
-        motion, other = Motion(robot, times, q, (), *rates), "another posture of the goal's pose"
+        motion, other = (
+            Motion(robot, times, q, (), qd, qdd, qddd),
+            "another posture of the goal's pose",
+        )
     else:
-        motion = followed_motion(robot, times, q, *rates[:2], start)
+        motion = followed_motion(robot, times, q, qd, qdd, start)
         other = "another assembly mode, or with other limbs, than the goal"
     if goal is not None and np.abs(motion.q[-1] - goal).max() > SAME:
         sentence += f"; it ends in {other}"
