@@ -34,48 +34,59 @@ class ContoursLayer(Layer):
 
     label, order = "Contours", 30
     root, roots = "a posture", "postures"
+    hint = "Postures are where both curves cross and the other equations vanish, too"
+    # Targets nearer to each other than this are drawn once.
+    same = SAME_POSE
 
     def __init__(self, place: LayerContext) -> None:
         super().__init__(place)
         self._view: CurveView | None = None
         self._on = False
+        # What the curves were drawn for, and where the robot was then.
         self._target: Array | None = None
-        self._study = place.arm.study
-        self._q = place.arm.q
+        self._here: Array | None = None
         self._box: Any = None
-        if not what_is_missing(place.chain):
+        self._names, self._missing = self._named()
+        if self._names:
             place.offered["contours"] = Switch(lambda: self._on, self._turn)
+
+    def _named(self) -> tuple[tuple[str, ...], str]:
+        """Name the equations, or say why there are none."""
+        missing = what_is_missing(self._place.chain)
+        return (() if missing else minor_names()), missing
+
+    def _drawn(self) -> tuple[Array, Array | None]:
+        """Return what to draw the curves for, and where to mark the robot in the plane."""
+        arm = self._place.arm
+        self._study, self._q = arm.study, arm.q
+        return arm.target, (arm.q[list(JOINTS)] + np.pi) % (2.0 * np.pi) - np.pi
 
     # What a page calls.
 
     def show(self) -> None:
-        """Draw the contours of another pose; nothing where they are off."""
+        """Draw the contours of another target; nothing where they are off."""
         if self._view is None or self._view.removed or not self._on:
             return
-        arm = self._place.arm
-        moved = not np.array_equal(arm.q, self._q)
-        self._study, self._q = arm.study, arm.q
-        if self._target is None or np.abs(arm.target - self._target).max() > SAME_POSE:
-            self._target = arm.target
-            self._view.draw(_here(arm.q))
-        elif moved:
-            self._view.mark_here(_here(arm.q))
+        target, here = self._drawn()
+        if self._target is None or np.abs(target - self._target).max() > self.same:
+            self._target = target
+            self._view.draw(here)
+        elif here is not None and (self._here is None or (here != self._here).any()):
+            self._view.mark_here(here)
+        self._here = here
 
     def controls(self, client: Any) -> Controls:
-        """Return the folder: a switch, or a sentence for arms that have no contours."""
+        """Return the folder: a switch, or a sentence for robots that have no contours."""
         self._view, self._on, self._target = None, False, None
         folder = super().controls(client)
         return folder if self._view is None else AllControls([self._view, folder])
 
     def _fill(self, folder: Folder, gui: Any) -> None:
-        missing = what_is_missing(self._place.chain)
-        if missing:
-            folder.text().content = small_text([missing])
+        if self._missing:
+            folder.text().content = small_text([self._missing])
             return
-        hint = "Postures are where both curves cross and the other equations vanish, too"
-        self._box = folder.checkbox("contours", False, self._switch, hint)
-        names = minor_names()
-        self._view = CurveView(gui, self, names, (0, len(names) - 1))
+        self._box = folder.checkbox("contours", False, self._switch, self.hint)
+        self._view = CurveView(gui, self, self._names, (0, len(self._names) - 1))
         self._view.show(False)
 
     def close(self) -> None:
@@ -132,8 +143,3 @@ class ContoursLayer(Layer):
                 if np.abs(apart).max() < SAME_POSTURE:
                     return number
         return None
-
-
-def _here(q: Array) -> Array:
-    """Return joints 4 and 5 within the turn that is drawn."""
-    return (q[list(JOINTS)] + np.pi) % (2.0 * np.pi) - np.pi

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from robomech_ros.errors import BadValueError
@@ -11,59 +9,35 @@ from robomech_ros.parallel.equations import PlatformEquations, platform_equation
 from robomech_ros.rvs.layers.contours import ContoursLayer
 from robomech_ros.rvs.model.curve_drawing import ROOT
 from robomech_ros.rvs.model.curve_problems import Axis, CurveProblem, Finding, equations_problem
-from robomech_ros.rvs.page.curve_view import CurveView
-from robomech_ros.rvs.page.folder import Folder
-from robomech_ros.rvs.page.layer import Layer, LayerContext, Switch
-from robomech_ros.rvs.page.tables import small_text
 from robomech_ros.typing import Array
 
 _MISSING = (
     "Contours are drawn for planar and spherical platforms, and for six legs that end in pairs at "
     "three points of the platform."
 )
-_HINT = "Assembly modes are where both curves cross"
-# Drives that are the same (rad or m).
-_SAME = 1e-9
 
 
 class PlatformContoursLayer(ContoursLayer):
     """The folder with the contours for the present values of the drives."""
 
     root, roots = "an assembly mode", "assembly modes"
+    hint = "Assembly modes are where both curves cross"
+    same = 1e-9
 
-    def __init__(self, place: LayerContext) -> None:
-        Layer.__init__(self, place)
-        self._view: CurveView | None = None
-        self._on = False
-        self._target: Array | None = None
-        self._equations: PlatformEquations | None = None
-        self._box: Any = None
+    def _named(self) -> tuple[tuple[str, ...], str]:
+        """Name the equations, or say why there are none."""
         try:
-            self._equations = self._at(place.platform.values)
+            self._equations = self._at(self._place.platform.values)
         except BadValueError:
-            return
-        place.offered["contours"] = Switch(lambda: self._on, self._turn)
-
-    def show(self) -> None:
-        """Draw the contours of other values of the drives; nothing while they are off."""
-        if self._view is None or self._view.removed or not self._on:
-            return
-        drives = self._place.platform.values
-        if self._target is None or np.abs(drives - self._target).max() > _SAME:
-            self._target = drives
-            self._view.draw()
-
-    def _fill(self, folder: Folder, gui: Any) -> None:
-        if self._equations is None:
-            folder.text().content = small_text([_MISSING])
-            return
-        self._box = folder.checkbox("contours", False, self._switch, _HINT)
+            return (), _MISSING
         first, *rest = self._equations.names
-        names = (f"closure, {first} and {rest[0]}", f"closure without {rest[-1]}")
         if len(rest) == 1:
-            names = ("closure of limb 2", "closure of limb 3")
-        self._view = CurveView(gui, self, names, (0, 1))
-        self._view.show(False)
+            return ("closure of limb 2", "closure of limb 3"), ""
+        return (f"closure, {first} and {rest[0]}", f"closure without {rest[-1]}"), ""
+
+    def _drawn(self) -> tuple[Array, Array | None]:
+        """Return the values of the drives; the platform is not marked."""
+        return self._place.platform.values, None
 
     def problem(self, pair: tuple[int, int]) -> CurveProblem | None:
         """Return the contours for the drives; None if they have been switched off."""
@@ -81,7 +55,7 @@ class PlatformContoursLayer(ContoursLayer):
     def take(self, found: Finding) -> None:
         """Move the platform to an assembly mode, with the same drives."""
         equations, drives = self._equations, self._target
-        if equations is None or drives is None:
+        if drives is None:
             return
         platform = self._place.platform
         mechanism = platform.mechanism
