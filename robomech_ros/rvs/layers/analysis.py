@@ -1,7 +1,5 @@
 """Capabilities of an arm: key figures, ellipsoids of velocity and force, and lost motions."""
 
-from __future__ import annotations
-
 import math
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """A hand-eye calibration: its samples, the sensor, and how well it is known."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Initial view and "Fit view": the robot and its ghosts fill the picture."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Contours of two equations over joints 4 and 5, whose crossings are the postures of the arm."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Hashable
 from typing import Any

@@ -1,7 +1,5 @@
 """A gripper: one slider opens and closes it."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 

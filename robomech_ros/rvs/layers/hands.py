@@ -1,7 +1,5 @@
 """A hand that holds an object: its contacts, what they hold, and with what forces."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial

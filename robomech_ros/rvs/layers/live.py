@@ -1,7 +1,5 @@
 """A running robot, drawn at its reported posture; the arm of the page is its goal."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence

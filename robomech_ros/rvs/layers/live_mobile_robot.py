@@ -1,7 +1,5 @@
 """A running mobile robot: it is drawn at its reported pose, and can be jogged."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A mobile robot on a page: its command, the executed part of it, trail and path ahead."""
 
-from __future__ import annotations
-
 import threading
 import time
 from functools import partial

@@ -1,7 +1,5 @@
 """A plan in the scene: a sweep of ghosts, the ghost at one time, and traces of frames."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 

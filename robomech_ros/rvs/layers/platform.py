@@ -1,7 +1,5 @@
 """A parallel robot: its assembly modes or branches, and how far it is from singular."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 

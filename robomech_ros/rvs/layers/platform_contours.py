@@ -1,7 +1,5 @@
 """Contours of the closure equations of a platform, whose crossings are its assembly modes."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robomech_ros.errors import BadValueError

@@ -1,7 +1,5 @@
 """A walking machine: on which feet it stands, how safely, and in which gait it walks."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

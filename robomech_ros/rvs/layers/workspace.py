@@ -1,7 +1,5 @@
 """Workspace of an arm: its boundary by a section, and maps of points."""
 
-from __future__ import annotations
-
 import html
 from dataclasses import dataclass
 from functools import partial

@@ -1,7 +1,5 @@
 """Analysis of an arm and its posture: conditioning, ellipsoids, singularities."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """A hand-eye calibration as it is drawn: samples, target, sensor, and how well that is known."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

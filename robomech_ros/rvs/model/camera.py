@@ -1,7 +1,5 @@
 """Camera pose in which a robot and its ghosts fill the picture."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterable, Mapping

@@ -1,7 +1,5 @@
 """Crossing curves as SVG: axes with ticks, curves, marks, and the steps of an iteration."""
 
-from __future__ import annotations
-
 import html
 import math
 from collections.abc import Sequence

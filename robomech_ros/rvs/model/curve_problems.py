@@ -1,7 +1,5 @@
 """Problems drawn as two crossing curves: postures of an arm at a pose, or any two equations."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """An arm as a Denavit-Hartenberg table of which a number is changed: another robot."""
 
-from __future__ import annotations
-
 import dataclasses
 from typing import NamedTuple
 

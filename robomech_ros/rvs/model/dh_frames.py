@@ -1,7 +1,5 @@
 """Denavit-Hartenberg frames of a posture, with joint axes, offsets and common normals."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

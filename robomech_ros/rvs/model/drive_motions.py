@@ -1,7 +1,5 @@
 """Motions of all joints of a parallel robot that its drives cause."""
 
-from __future__ import annotations
-
 from robomech_ros.parallel import Mechanism, follow_drives
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.typing import Array

@@ -1,7 +1,5 @@
 """The tree of a robot in space: with joints that place its base and a body that it captures."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

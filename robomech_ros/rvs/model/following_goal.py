@@ -1,7 +1,5 @@
 """A goal that stays with the robot until it is put elsewhere, and again once the robot is there."""
 
-from __future__ import annotations
-
 import threading
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Postures as ghosts: drums and bars of the whole arm, once for each posture."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, Protocol
 

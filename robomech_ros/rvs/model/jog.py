@@ -20,8 +20,6 @@ stand.  If it cannot, since the process hangs or is gone, the servo brakes after
 servo's last message.
 """
 
-from __future__ import annotations
-
 import re
 import threading
 from collections.abc import Callable

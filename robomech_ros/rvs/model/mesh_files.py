@@ -1,7 +1,5 @@
 """Triangles and colours of the mesh files that a URDF names."""
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 from typing import NamedTuple

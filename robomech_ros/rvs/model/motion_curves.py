@@ -1,7 +1,5 @@
 """The curves of a motion: positions, rates and torques over time, and their limits."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Plans of an arm or a parallel robot between two remembered postures."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Playback position in a motion, and its advance."""
 
-from __future__ import annotations
-
 import math
 
 from robomech_ros.errors import BadValueError

@@ -1,7 +1,5 @@
 """Study of a pose: all postures that reach it, or the reason why there is none."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, replace
 

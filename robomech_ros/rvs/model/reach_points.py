@@ -1,7 +1,5 @@
 """The points of a reach map as they are seen: places, colours, and the legend of these."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

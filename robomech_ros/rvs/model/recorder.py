@@ -1,7 +1,5 @@
 """Recorder of an arm's motion."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robomech_ros.errors import BadValueError

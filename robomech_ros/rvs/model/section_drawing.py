@@ -1,7 +1,5 @@
 """The section of a workspace as SVG, with regions coloured by their number of postures."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robomech_ros.rvs.model.curve_drawing import (

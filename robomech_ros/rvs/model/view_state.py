@@ -1,7 +1,5 @@
 """View state as text for the page's address: posture, camera, visible items."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """A robot as it is seen: a tree of links, each with its bodies."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """The boundary of a workspace as it is seen: its section, and the surface that it sweeps."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

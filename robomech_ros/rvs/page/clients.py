@@ -1,7 +1,5 @@
 """Viewers of a page: one browser commands, the others watch until they take over."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from typing import Any, Protocol

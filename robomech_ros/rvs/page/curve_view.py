@@ -1,7 +1,5 @@
 """Crossing curves in a browser: which are drawn, an estimate by a click or typed, its root."""
 
-from __future__ import annotations
-
 import html
 from collections.abc import Callable, Hashable, Sequence
 from typing import Any, Protocol

@@ -1,7 +1,5 @@
 """The curves of a motion as a picture in the page: SVG of our own, light or dark like the page."""
 
-from __future__ import annotations
-
 import html
 from collections.abc import Sequence
 

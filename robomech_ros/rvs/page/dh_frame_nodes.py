@@ -1,7 +1,5 @@
 """Denavit-Hartenberg frames in the scene: triads, joint axes, offsets, normals, names."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The page of equations in two unknowns: any browser may point at crossings, and all see it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Ghosts in the scene: one batch of cylinders for all postures, and their numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 

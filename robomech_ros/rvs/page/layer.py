@@ -1,7 +1,5 @@
 """Interface of a page's layer: an addition to the robot and its postures."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial

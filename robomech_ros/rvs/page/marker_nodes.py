@@ -1,7 +1,5 @@
 """Markers in the scene: bodies, arrows and lines beside the robot."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Meshes in the scene, without shadows: one of its own, and many of one shape."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

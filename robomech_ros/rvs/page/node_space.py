@@ -1,7 +1,5 @@
 """Where parts of a page put their nodes, and poses of nodes."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

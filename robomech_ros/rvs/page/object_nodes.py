@@ -1,7 +1,5 @@
 """The objects around a robot in the scene, and the line between the two nearest bodies."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Mapping
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """The page of one robot: requests of the browser that commands, done one after the other."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Sequence
 from typing import Any
 

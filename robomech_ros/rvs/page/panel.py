@@ -1,7 +1,5 @@
 """The controls of the browser that commands: sliders, the gizmo at the tip, what is shown."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """A way in the scene: a line that grows, or is drawn anew."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A robot in the scene: a node for each link, moved by its joints."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import Any
 

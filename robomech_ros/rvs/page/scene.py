@@ -1,7 +1,5 @@
 """Scene of every browser: the robot, its ghosts, results for the pose."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Surroundings of a robot: ground and lights; nothing is loaded from outside."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Checkboxes of a layer's folder, stored in the address of the page."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """Texts of the panel: results for the pose, and the table of its postures."""
 
-from __future__ import annotations
-
 import html
 import math
 from collections.abc import Callable, Sequence

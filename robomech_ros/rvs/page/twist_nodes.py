@@ -1,7 +1,5 @@
 """Twists in the scene: arrows of motions along, and of rotations about, a direction."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

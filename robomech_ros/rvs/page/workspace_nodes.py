@@ -1,7 +1,5 @@
 """The workspace in the scene: its section, the surface that this sweeps, and points of a map."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

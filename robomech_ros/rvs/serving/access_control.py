@@ -9,8 +9,6 @@ They do not send them to other paths.  So the page has a path that nobody can gu
 is bound to it.  Unlike a random name below localhost, this works with every browser and address.
 """
 
-from __future__ import annotations
-
 import hmac
 import html
 import http

@@ -1,7 +1,5 @@
 """Which messages of a page are let through: those that it has, with values that can be."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

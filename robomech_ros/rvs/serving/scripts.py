@@ -1,7 +1,5 @@
 """Scripts of ours that run in a browser."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

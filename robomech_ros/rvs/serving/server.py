@@ -1,7 +1,5 @@
 """viser behind a gate: on a socket of our own, with connections that check what comes in."""
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import errno

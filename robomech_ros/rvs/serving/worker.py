@@ -1,7 +1,5 @@
 """One thread that does what pages ask for, of each kind of request only the latest."""
 
-from __future__ import annotations
-
 import logging
 import threading
 from collections import OrderedDict

@@ -1,7 +1,5 @@
 """Postures of a hand as ghosts, finger by finger."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np

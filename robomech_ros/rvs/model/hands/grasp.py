@@ -1,7 +1,5 @@
 """Grasp study: closure, quality, forces for a load, and the effort of the fingers."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """A hand that is seen: its fingers follow the object that they touch."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The tree of a hand and of the object that it holds."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 

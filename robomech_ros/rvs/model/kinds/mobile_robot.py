@@ -1,7 +1,5 @@
 """A robot that moves over the ground as it is commanded."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections import deque
 from collections.abc import Mapping, Sequence

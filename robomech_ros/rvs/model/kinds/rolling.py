@@ -1,7 +1,5 @@
 """A rolling robot that is seen: it is placed by hand, or drives as its limits let it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

@@ -1,7 +1,5 @@
 """A robot that is neither an arm nor parallel: joints of a tree, and a link that is dragged."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

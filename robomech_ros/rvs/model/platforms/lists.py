@@ -1,7 +1,5 @@
 """Assembly modes and branches of a parallel robot, and how far it is from singular."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The parallel robot that is seen: where its joints are, and what its platform can do."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

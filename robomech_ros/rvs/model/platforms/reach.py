@@ -1,7 +1,5 @@
 """How far a platform can be moved or turned from where it is, as a surface coloured by its ends."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

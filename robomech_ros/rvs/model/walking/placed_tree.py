@@ -1,7 +1,5 @@
 """The tree of a walking machine, with joints that place its trunk over the ground."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import replace
 

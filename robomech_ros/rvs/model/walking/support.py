@@ -1,7 +1,5 @@
 """On which feet a machine stands, and where it is next to tipping."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """A walking machine that is seen: it walks as commanded, and its trunk is moved over its feet."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """The field that says, again and again, that a button is held."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable
 from typing import Any

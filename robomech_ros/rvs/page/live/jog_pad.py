@@ -1,7 +1,5 @@
 """Buttons that jog while they are held, as HTML that says so again and again."""
 
-from __future__ import annotations
-
 import html
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """The page of a robot that runs: its messages, its button Stop, and the browsers that show it."""
 
-from __future__ import annotations
-
 import html
 import threading
 from collections.abc import Sequence
