@@ -15,7 +15,7 @@ from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.robots import RobotDescription, SerialChain, load_description
 from robomech_ros.robots.robot_kinds import ARM
 from robomech_ros.rvs.kind_registry import VIEW_KINDS
-from robomech_ros.rvs.model.arm import ArmView
+from robomech_ros.rvs.model.arms.arm import ArmView
 from robomech_ros.rvs.model.calibration_view import calibration_facts, calibration_markers
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.opening import require_viser

@@ -14,7 +14,7 @@ from robomech_ros.rvs.opening import require_viser
 from robomech_ros.rvs.serving.address import HOST, PORT
 
 if TYPE_CHECKING:
-    from robomech_ros.rvs.model.curve_problems import Axis
+    from robomech_ros.rvs.model.curves.curve_problems import Axis
     from robomech_ros.rvs.page.equations_page import EquationsPage
 
 # Enough cells to see whether equations are what they should be.
@@ -81,7 +81,7 @@ def view_equations(
 
 
 def _axes(grid: GridProblem, names: Sequence[str], unit: str) -> tuple[Axis, Axis]:
-    from robomech_ros.rvs.model.curve_problems import Axis
+    from robomech_ros.rvs.model.curves.curve_problems import Axis
 
     if len(names) != 2 or not all(isinstance(name, str) for name in names):
         raise BadValueError("names", names, "two names")

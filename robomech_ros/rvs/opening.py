@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from robomech_ros.collision import PlanningScene, SceneObject
     from robomech_ros.parallel import Mechanism, ParallelRobot
     from robomech_ros.rvs.model.draggable import DraggableRobot
-    from robomech_ros.rvs.model.live_robot import LiveMobileRobot, LiveRobot
-    from robomech_ros.rvs.model.observed_robot import ObservedRobot
+    from robomech_ros.rvs.model.running.live_robot import LiveMobileRobot, LiveRobot
+    from robomech_ros.rvs.model.running.observed_robot import ObservedRobot
     from robomech_ros.rvs.page.layer import LayerMaker
     from robomech_ros.rvs.page.page import RobotPage
 

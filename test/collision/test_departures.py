@@ -8,7 +8,7 @@ from robomech_ros.cartesian import PathStopLimits, plan_along
 from robomech_ros.collision import Box, PlanningScene, Sphere, check_departure, stop_before_contact
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.joint_limits import with_assumed_rates
+from robomech_ros.nodes.common.joints.joint_limits import with_assumed_rates
 from robomech_ros.outcomes import Code
 from robomech_ros.robots import load_description
 from robomech_ros.spatial import pose_from_matrix

@@ -17,7 +17,7 @@ from robomech_ros.collision.robot_bodies import link_shapes
 from robomech_ros.collision.servo_guard import ServoGuard
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.joint_limits import with_assumed_rates
+from robomech_ros.nodes.common.joints.joint_limits import with_assumed_rates
 from robomech_ros.robots import load_description
 from robomech_ros.servo.commands import PoseCommand
 from robomech_ros.servo.report import ServoCondition

@@ -22,7 +22,7 @@ from robomech_interfaces.srv import (
     SummarizeTorques,
 )
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.pose_messages import stamped_pose
+from robomech_ros.nodes.common.messages.pose_messages import stamped_pose
 from robomech_ros.outcomes import name_of
 from robomech_ros.robots import SerialChain
 from robomech_ros.typing import Array

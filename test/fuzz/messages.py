@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from known_robot import KnownRobot
 
-from robomech_ros.nodes.common.pose_messages import pose_from_matrix
+from robomech_ros.nodes.common.messages.pose_messages import pose_from_matrix
 
 __all__ = ["SHARES", "MessageMaker"]
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 
-from robomech_ros.nodes.common.pose_messages import pose_from_matrix
+from robomech_ros.nodes.common.messages.pose_messages import pose_from_matrix
 from robomech_ros.spatial import inverse_pose, pose_exponential, pose_from_position_quaternion
 
 FRAMES = {"robot_base_frame": "base", "robot_effector_frame": "hand"}

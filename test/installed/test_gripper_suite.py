@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "nodes" / "motion")
 from gripper_cases import panda_with_hand, poses_by_frames, poses_by_pinocchio
 
 from robomech_interfaces.srv import SolveFK
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
 
 PATIENCE = 60.0
 LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)

@@ -11,8 +11,8 @@ from std_msgs.msg import String
 from test_suite import execute, plan_and_arrive, wait_until_the_state_is_known
 from two_armed import SRDF, URDF, joints_of
 
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.pose_messages import stamped_pose
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.pose_messages import stamped_pose
 from robomech_ros.robots import load_description, load_srdf
 
 ROBOT = load_description(URDF)

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from sensor_msgs.msg import JointState
 
 from robomech_interfaces.srv import AnalyzeSingularity, QueryWorkspace, SolveIK
-from robomech_ros.nodes.common.pose_messages import stamped_pose
+from robomech_ros.nodes.common.messages.pose_messages import stamped_pose
 
 
 @pytest.fixture

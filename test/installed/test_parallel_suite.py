@@ -21,7 +21,7 @@ from robomech_interfaces.srv import (
     SolveIK,
     SummarizeTorques,
 )
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.parallel import ParallelDynamics, load_parallel, load_tree_description
 
 PATIENCE = 60.0

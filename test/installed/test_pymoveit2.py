@@ -16,8 +16,8 @@ from shaped_arm import shaped_ur5e
 
 from robomech_ros.collision import Box, PlanningScene
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, pose_from_matrix
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, pose_from_matrix
 from robomech_ros.robots import load_description
 
 pymoveit2 = pytest.importorskip("pymoveit2")

@@ -12,7 +12,7 @@ from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
 from robomech_interfaces.srv import SolveFK, SolveIK
-from robomech_ros.nodes.common.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
 from robomech_ros.robots import load_description, load_robot
 from robomech_ros.spatial import matrix_from_quaternion
 

@@ -33,8 +33,12 @@ from robomech_interfaces.srv import (
 )
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import load_reach_map
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, pose_from_matrix, stamped_pose
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.pose_messages import (
+    matrix_from_pose,
+    pose_from_matrix,
+    stamped_pose,
+)
 from robomech_ros.robots import load_description, load_robot
 
 PATIENCE = 60.0

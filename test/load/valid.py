@@ -11,9 +11,9 @@ from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.message_fields import duration_from_seconds
-from robomech_ros.nodes.common.pose_messages import pose_from_matrix, stamped_pose
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.message_fields import duration_from_seconds
+from robomech_ros.nodes.common.messages.pose_messages import pose_from_matrix, stamped_pose
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose, pose_exponential
 from robomech_ros.typing import Array

@@ -16,8 +16,8 @@ from rclpy.action import ActionClient
 from shape_msgs.msg import SolidPrimitive
 from shaped_arm import shaped_ur5e
 
-from robomech_ros.nodes.common.joint_limits import with_assumed_rates
-from robomech_ros.nodes.common.joint_messages import joint_state
+from robomech_ros.nodes.common.joints.joint_limits import with_assumed_rates
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
 from robomech_ros.nodes.moveit import goal_constraints
 from robomech_ros.robots import load_description
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from robomech_ros.nodes.common.message_fields import seconds_from_duration
+from robomech_ros.nodes.common.messages.message_fields import seconds_from_duration
 from robomech_ros.trajectory import Waypoints
 
 

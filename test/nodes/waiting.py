@@ -7,7 +7,7 @@ import numpy as np
 from sensor_msgs.msg import JointState
 
 from robomech_interfaces.srv import SolveFK
-from robomech_ros.nodes.common.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
 
 # Long, since a machine may be busy; nothing waits longer than it has to.
 PATIENCE = 60.0

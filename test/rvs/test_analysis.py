@@ -12,7 +12,7 @@ from robomech_ros.kinetostatics import (
     singularity_report,
 )
 from robomech_ros.robots import list_robots, load_robot
-from robomech_ros.rvs.model.analysis import (
+from robomech_ros.rvs.model.arms.analysis import (
     arm_facts,
     drawn_ellipsoid,
     next_singularity,

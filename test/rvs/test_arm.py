@@ -8,7 +8,7 @@ import pytest
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.robots import list_robots, load_robot
-from robomech_ros.rvs.model.arm import ArmView
+from robomech_ros.rvs.model.arms.arm import ArmView
 
 
 def moved(T, *by):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from robomech_ros.robots import load_description
+from robomech_ros.rvs.model.bodies.visual_model import load_visual_model
 from robomech_ros.rvs.model.camera import FIELD, fitted_camera, visible_points
-from robomech_ros.rvs.model.visual_model import load_visual_model
 
 
 def seen_at(eye, points, fov, aspect):

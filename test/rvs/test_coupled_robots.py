@@ -13,8 +13,8 @@ from raw_client import Client, camera, wait_until
 from robomech_ros.errors import BadValueError
 from robomech_ros.rvs import view
 from robomech_ros.rvs.layers.dh_table import NO_TABLE
-from robomech_ros.rvs.model.planning import JOINTS, LINE, plan_between
-from robomech_ros.rvs.model.workspace_views import section_view, why_no_section
+from robomech_ros.rvs.model.motions.planning import JOINTS, LINE, plan_between
+from robomech_ros.rvs.model.workspace.workspace_views import section_view, why_no_section
 from test.coupled_robots import DATA, coupled
 
 

@@ -7,8 +7,8 @@ import pytest
 
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.robots import load_robot
-from robomech_ros.rvs.model.curve_drawing import BOTTOM, LEFT, SIDE, TOP, Mark, draw_curves
-from robomech_ros.rvs.model.curve_problems import (
+from robomech_ros.rvs.model.curves.curve_drawing import BOTTOM, LEFT, SIDE, TOP, Mark, draw_curves
+from robomech_ros.rvs.model.curves.curve_problems import (
     Axis,
     equations_problem,
     minor_names,

@@ -8,7 +8,7 @@ import pytest
 from robomech_ros.errors import BadValueError, RobotDescriptionError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import chain_from_dh, list_robots, load_robot
-from robomech_ros.rvs.model.dh_editing import (
+from robomech_ros.rvs.model.arms.dh_editing import (
     DHChange,
     changed_robot,
     read_change,

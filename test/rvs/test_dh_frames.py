@@ -5,8 +5,8 @@ import pytest
 
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import load_robot
-from robomech_ros.rvs.model.dh_editing import table_of
-from robomech_ros.rvs.model.dh_frames import dh_frames
+from robomech_ros.rvs.model.arms.dh_editing import table_of
+from robomech_ros.rvs.model.arms.dh_frames import dh_frames
 
 
 def distance(first, second):

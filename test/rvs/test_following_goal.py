@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from robomech_ros.rvs.model.following_goal import REST, FollowingGoal
+from robomech_ros.rvs.model.running.following_goal import REST, FollowingGoal
 
 HERE, THERE = np.zeros(3), np.full(3, 0.5)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.rvs.model.jog import HoldHeartbeat, JogDirection, JogSwitch, read_beat
+from robomech_ros.rvs.model.running.jog import HoldHeartbeat, JogDirection, JogSwitch, read_beat
 
 PLUS = JogDirection("linear", 2, 1)
 

@@ -14,7 +14,7 @@ from raw_client import PATIENCE, camera, inside_limits, send_value, slider, wait
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots import load_robot
 from robomech_ros.rvs.layers.recording import END, RecordingLayer
-from robomech_ros.rvs.model.recorder import MOST_POSTURES_KEPT, NEAREST, Recorder
+from robomech_ros.rvs.model.motions.recorder import MOST_POSTURES_KEPT, NEAREST, Recorder
 from robomech_ros.rvs.model.view_state import ViewState, state_from_text, text_from_state
 
 PACK = msgspec.msgpack.encode

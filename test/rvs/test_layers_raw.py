@@ -11,8 +11,8 @@ pytest.importorskip("viser")
 from raw_client import PATIENCE, inside_limits, send_value, slider, wait_until
 
 from robomech_ros.robots import load_description
-from robomech_ros.rvs.model.dh_editing import table_of
-from robomech_ros.rvs.model.dh_frames import dh_frames
+from robomech_ros.rvs.model.arms.dh_editing import table_of
+from robomech_ros.rvs.model.arms.dh_frames import dh_frames
 from robomech_ros.rvs.page.robot_nodes import FADED
 
 

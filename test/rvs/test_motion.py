@@ -20,7 +20,7 @@ from robomech_ros.rvs import (
     view,
     write_motion,
 )
-from robomech_ros.rvs.model.solids import box
+from robomech_ros.rvs.model.bodies.solids import box
 from robomech_ros.trajectory import interpolant
 
 ROBOT = load_description("ur5e")

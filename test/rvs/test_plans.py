@@ -8,9 +8,9 @@ from robomech_ros.errors import BadValueError, MissingLimitsError, RobomechError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import chain_from_dh, load_robot
 from robomech_ros.rvs import Motion
-from robomech_ros.rvs.model.motion_curves import QUANTITIES, motion_curves
-from robomech_ros.rvs.model.planning import JOINTS, LINE, plan_between
-from robomech_ros.rvs.model.player import Player
+from robomech_ros.rvs.model.motions.motion_curves import QUANTITIES, motion_curves
+from robomech_ros.rvs.model.motions.planning import JOINTS, LINE, plan_between
+from robomech_ros.rvs.model.motions.player import Player
 from robomech_ros.rvs.page.curves import ALL, cursor_rule, curves_picture
 from robomech_ros.trajectory import PROFILES
 

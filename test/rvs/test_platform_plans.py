@@ -7,8 +7,8 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel import ParallelDynamics, load_parallel
 from robomech_ros.rvs import Motion
-from robomech_ros.rvs.model.motion_curves import motion_curves
-from robomech_ros.rvs.model.planning import JOINTS, LINE, plan_between
+from robomech_ros.rvs.model.motions.motion_curves import motion_curves
+from robomech_ros.rvs.model.motions.planning import JOINTS, LINE, plan_between
 
 ROBOTS = ("hexapod", "delta", "planar_3rrr", "agile_eye", "linapod", "tripod_3prs")
 

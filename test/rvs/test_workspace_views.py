@@ -9,15 +9,19 @@ from robomech_ros.errors import BadValueError, MissingLimitsError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import reach_map, workspace_boundary
 from robomech_ros.robots import chain_from_dh, load_robot
-from robomech_ros.rvs.model.reach_points import (
+from robomech_ros.rvs.model.workspace.reach_points import (
     DENSITIES,
     MEASURES,
     ORIENTATIONS,
     computed_map,
     reach_points,
 )
-from robomech_ros.rvs.model.section_drawing import draw_section, section_legend, section_points
-from robomech_ros.rvs.model.workspace_views import (
+from robomech_ros.rvs.model.workspace.section_drawing import (
+    draw_section,
+    section_legend,
+    section_points,
+)
+from robomech_ros.rvs.model.workspace.workspace_views import (
     is_in_opening,
     open_intervals,
     section_view,

@@ -10,10 +10,10 @@ from robomech_ros.collision import Box, Capsule, Cone, Cylinder, Mesh, Plane, Pl
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import load_description, load_robot
-from robomech_ros.rvs.model.arm import ArmView
-from robomech_ros.rvs.model.object_solids import middle_of, parts_of
-from robomech_ros.rvs.model.planning import JOINTS, plan_between
-from robomech_ros.rvs.model.solids import box
+from robomech_ros.rvs.model.arms.arm import ArmView
+from robomech_ros.rvs.model.bodies.object_solids import middle_of, parts_of
+from robomech_ros.rvs.model.bodies.solids import box
+from robomech_ros.rvs.model.motions.planning import JOINTS, plan_between
 from robomech_ros.rvs.model.world import (
     AROUND,
     AROUND_TO_POSE,

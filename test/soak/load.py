@@ -35,7 +35,7 @@ from robomech_interfaces.srv import (
     SetSpeed,
 )
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.pose_messages import stamped_pose
+from robomech_ros.nodes.common.messages.pose_messages import stamped_pose
 from robomech_ros.nodes.middleware.queue_depth import ask
 from robomech_ros.robots import SerialChain
 

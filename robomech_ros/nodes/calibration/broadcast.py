@@ -10,12 +10,12 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from robomech_ros.nodes.calibration.messages import stamped_transform
 from robomech_ros.nodes.calibration.samples import Frames, PublishedFrame, Samples
-from robomech_ros.nodes.common.pose_messages import pose_from_matrix
-from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.common.messages.pose_messages import pose_from_matrix
+from robomech_ros.nodes.common.robot.robot_description import LATCHED
 from robomech_ros.nodes.frames.listener import FrameListener
 from robomech_ros.nodes.frames.tree import NoTransformError
 from robomech_ros.rvs.model.calibration_view import calibration_markers, sample_markers
-from robomech_ros.rvs.model.live_robot import ViewMarker
+from robomech_ros.rvs.model.running.live_robot import ViewMarker
 from robomech_ros.spatial.poses import rigid_inverse
 from robomech_ros.typing import Array
 

@@ -11,9 +11,13 @@ from robomech_ros.calibration.estimation import LARGEST_COORDINATE
 from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.nodes.calibration.files import POSITION_FIRST
 from robomech_ros.nodes.calibration.samples import Samples, Solution
-from robomech_ros.nodes.common.error_codes import FrameUnavailableError, shortened
-from robomech_ros.nodes.common.message_fields import floats
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, pose_from_matrix, stamped_pose
+from robomech_ros.nodes.common.messages.error_codes import FrameUnavailableError, shortened
+from robomech_ros.nodes.common.messages.message_fields import floats
+from robomech_ros.nodes.common.messages.pose_messages import (
+    matrix_from_pose,
+    pose_from_matrix,
+    stamped_pose,
+)
 from robomech_ros.spatial import rotation_vector_from_matrix
 from robomech_ros.spatial.plain_poses import plain_pose
 from robomech_ros.typing import Array

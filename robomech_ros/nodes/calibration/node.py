@@ -34,13 +34,13 @@ from robomech_ros.nodes.calibration.settings import (
     CalibrationSettings,
     check_settings,
 )
-from robomech_ros.nodes.common.error_codes import answer, guarded
-from robomech_ros.nodes.common.message_fields import seconds_from_duration
+from robomech_ros.nodes.common.messages.error_codes import answer, guarded
+from robomech_ros.nodes.common.messages.message_fields import seconds_from_duration
+from robomech_ros.nodes.common.messages.pose_messages import stamped_pose
 from robomech_ros.nodes.common.parameters import NodeParameters
-from robomech_ros.nodes.common.pose_messages import stamped_pose
 from robomech_ros.nodes.common.readiness import Readiness
-from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
-from robomech_ros.nodes.common.robot_source import when_robot_known
+from robomech_ros.nodes.common.robot.robot_description import LATCHED, RobotModel
+from robomech_ros.nodes.common.robot.robot_source import when_robot_known
 from robomech_ros.nodes.frames.listener import FrameListener
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.process.run import run_node

@@ -3,8 +3,8 @@
 from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 
-from robomech_ros.nodes.common.error_codes import shortened
-from robomech_ros.nodes.common.message_fields import NANO
+from robomech_ros.nodes.common.messages.error_codes import shortened
+from robomech_ros.nodes.common.messages.message_fields import NANO
 from robomech_ros.nodes.frames.history import Sample
 from robomech_ros.nodes.frames.listener import FrameListener
 from robomech_ros.nodes.frames.tree import FrameTree, NoTransformError

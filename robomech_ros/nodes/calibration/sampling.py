@@ -9,8 +9,8 @@ from rclpy.node import Node
 from robomech_ros.nodes.calibration.pose_history import PoseTrack
 from robomech_ros.nodes.calibration.settings import CalibrationSettings
 from robomech_ros.nodes.common.cooperative_wait import pause
-from robomech_ros.nodes.common.error_codes import OutcomeError
-from robomech_ros.nodes.common.message_fields import NANO
+from robomech_ros.nodes.common.messages.error_codes import OutcomeError
+from robomech_ros.nodes.common.messages.message_fields import NANO
 from robomech_ros.nodes.frames.tree import NoTransformError
 from robomech_ros.outcomes import Code
 from robomech_ros.spatial import pose_error

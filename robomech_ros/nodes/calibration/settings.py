@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 
 from robomech_ros.nodes.common.parameters import ParameterError, changeable, parameter
-from robomech_ros.nodes.common.robot_description import RobotSettings
+from robomech_ros.nodes.common.robot.robot_description import RobotSettings
 
 # Types of calibrations as easy_handeye2 calls them, and the library's names for them.
 MOUNT_OF_TYPE = {"eye_in_hand": "eye-in-hand", "eye_on_base": "eye-to-hand"}

@@ -144,7 +144,7 @@ def refuse_of_kind(
 
 def _check_parallel(args: argparse.Namespace, robot: DescribedRobot) -> None:
     """Refuse what does not serve parallel robots; leave out the servo, and say so."""
-    from robomech_ros.nodes.common.robot_description import RobotModel, RobotSettings
+    from robomech_ros.nodes.common.robot.robot_description import RobotModel, RobotSettings
 
     refuse_options(args, REFUSED["parallel robots"], args.robot, "a parallel robot", _OF_SERVO)
     ends = RobotSettings(base_link=args.base_link, tip_link=args.tip_link)
@@ -161,7 +161,7 @@ def _load(args: argparse.Namespace) -> DescribedRobot:
         return robot
     description = robot.description
     if args.joint_limits:
-        from robomech_ros.nodes.common.joint_limits import read_joint_limits
+        from robomech_ros.nodes.common.joints.joint_limits import read_joint_limits
 
         description = read_joint_limits(args.joint_limits).on(description)
     if args.srdf or not args.group:

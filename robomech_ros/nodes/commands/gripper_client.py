@@ -17,10 +17,14 @@ from robomech_ros.nodes.commands.service_client import (
     command_node,
     latched_message,
 )
-from robomech_ros.nodes.common.gripper_goals import gripper_goal, gripper_outcome
-from robomech_ros.nodes.common.gripper_names import GripperNames, known_finger_joints, known_gripper
-from robomech_ros.nodes.common.robot_description import TOPIC, RobotModel
-from robomech_ros.nodes.common.srdf_source import SemanticSource
+from robomech_ros.nodes.common.messages.gripper_goals import gripper_goal, gripper_outcome
+from robomech_ros.nodes.common.robot.gripper_names import (
+    GripperNames,
+    known_finger_joints,
+    known_gripper,
+)
+from robomech_ros.nodes.common.robot.robot_description import TOPIC, RobotModel
+from robomech_ros.nodes.common.robot.srdf_source import SemanticSource
 from robomech_ros.nodes.middleware.queue_depth import ask_action
 from robomech_ros.parallel.tree_description import load_tree_description
 from robomech_ros.robots.gripper import GripperModel

@@ -45,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Draw the picture; returns 0, or 3 where no trajectory came."""
     from robomech_ros.nodes.commands.trajectory_source import from_file, from_topic, waypoints_of
-    from robomech_ros.nodes.common.joint_limits import read_joint_limits
+    from robomech_ros.nodes.common.joints.joint_limits import read_joint_limits
 
     if args.output.suffix not in _ENDINGS:
         raise BadValueError("--output", str(args.output), "a file that ends with png, svg or pdf")

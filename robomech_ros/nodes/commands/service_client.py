@@ -11,7 +11,7 @@ from rclpy.node import Node
 from robomech_ros.errors import RobomechError
 from robomech_ros.errors.names import did_you_mean
 from robomech_ros.nodes.commands.message_yaml import fill_message, interface_class, without_types
-from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.common.robot.robot_description import LATCHED
 from robomech_ros.nodes.middleware.queue_depth import ask
 from robomech_ros.nodes.middleware.retrying_client import RetriedRequest
 from robomech_ros.nodes.process.memory import bounded_memory

@@ -15,8 +15,8 @@ from rclpy.signals import SignalHandlerOptions
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.commands.bringup import node_class
 from robomech_ros.nodes.commands.policy_xml import NodeRights, rights_of
-from robomech_ros.nodes.common.robot_description import TOPIC
-from robomech_ros.nodes.common.srdf_source import SEMANTIC_TOPIC
+from robomech_ros.nodes.common.robot.robot_description import TOPIC
+from robomech_ros.nodes.common.robot.srdf_source import SEMANTIC_TOPIC
 from robomech_ros.nodes.display.robot_display import AUTO
 from robomech_ros.nodes.process.discovery_range import stay_on_this_machine
 from robomech_ros.nodes.process.free_domain import free_domain

@@ -9,7 +9,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.execution.received_trajectory import ReceivedTrajectory, read_waypoints
 from robomech_ros.nodes.commands.message_yaml import fill_message, parse_yaml
 from robomech_ros.nodes.commands.service_client import command_node, latched_message
-from robomech_ros.nodes.common.message_fields import seconds_from_duration
+from robomech_ros.nodes.common.messages.message_fields import seconds_from_duration
 from robomech_ros.trajectory import Waypoints
 
 # What a picture is made of at the most.

@@ -14,7 +14,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 from rclpy.timer import Timer
 
-from robomech_ros.nodes.common.error_codes import OutcomeError
+from robomech_ros.nodes.common.messages.error_codes import OutcomeError
 from robomech_ros.outcomes import Code
 
 _T = TypeVar("_T")

@@ -8,9 +8,9 @@ from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.common.joints.stall_monitor import StallMonitor
+from robomech_ros.nodes.common.messages.pose_messages import require_finite
 from robomech_ros.nodes.common.motion_clock import MotionClock
-from robomech_ros.nodes.common.pose_messages import require_finite
-from robomech_ros.nodes.common.stall_monitor import StallMonitor
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 

@@ -11,7 +11,7 @@ import numpy as np
 from robomech_interfaces.srv import ListSamples, SaveCalibration
 from robomech_ros.calibration import hand_eye
 from robomech_ros.nodes.calibration.settings import MOUNT_OF_TYPE
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
 from robomech_ros.nodes.demonstration.calibration_task import SERVICES, CalibrationTask
 from robomech_ros.nodes.demonstration.camera import (
     CAMERA,

@@ -19,7 +19,7 @@ from robomech_interfaces.srv import (
 )
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.calibration.files import POSITION_FIRST
-from robomech_ros.nodes.common.pose_messages import pose_from_matrix
+from robomech_ros.nodes.common.messages.pose_messages import pose_from_matrix
 from robomech_ros.nodes.demonstration.camera import Scene, SimulatedCamera
 from robomech_ros.nodes.demonstration.client import EXECUTE, PLAN_JOINT, DemoClient
 from robomech_ros.nodes.demonstration.report import Reporter

@@ -11,8 +11,8 @@ from geometry_msgs.msg import PoseStamped, TransformStamped
 
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.calibration.messages import stamped_transform
-from robomech_ros.nodes.common.message_fields import NANO
-from robomech_ros.nodes.common.pose_messages import stamped_pose
+from robomech_ros.nodes.common.messages.message_fields import NANO
+from robomech_ros.nodes.common.messages.pose_messages import stamped_pose
 from robomech_ros.nodes.demonstration.client import DemoClient
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose, matrix_from_rotation_vector, pose_exponential

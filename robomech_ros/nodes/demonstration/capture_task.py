@@ -10,7 +10,7 @@ from robomech_interfaces.srv import PlanCartesian, SolveIK
 from robomech_ros.dynamics import FloatingChain, with_payload
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.mobility import arm_size
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.nodes.demonstration.client import DemoClient
 from robomech_ros.nodes.demonstration.pick_and_place import change_parameters
 from robomech_ros.nodes.demonstration.report import Reporter

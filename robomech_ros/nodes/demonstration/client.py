@@ -16,8 +16,8 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.srv import Execute, PlanJoint
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.message_fields import seconds_from_duration
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.message_fields import seconds_from_duration
 from robomech_ros.nodes.demonstration.suite import DemoFailedError, Suite, running_suite
 from robomech_ros.nodes.middleware.queue_depth import ask
 from robomech_ros.nodes.middleware.retrying_client import RetriedRequest

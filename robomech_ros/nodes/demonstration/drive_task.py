@@ -11,7 +11,7 @@ from nav_msgs.msg import Odometry
 from rclpy.qos import qos_profile_sensor_data
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.nodes.common.message_fields import NANO
+from robomech_ros.nodes.common.messages.message_fields import NANO
 from robomech_ros.nodes.demonstration.client import DemoClient, twist_message
 from robomech_ros.nodes.demonstration.closed_paths import (
     ClosedPath,

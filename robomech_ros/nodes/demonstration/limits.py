@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from robomech_ros.nodes.common.joint_limits import with_assumed_rates
+from robomech_ros.nodes.common.joints.joint_limits import with_assumed_rates
 from robomech_ros.robots import SerialChain, load_description, load_semantics, main_chain
 
 

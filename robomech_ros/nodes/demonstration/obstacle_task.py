@@ -19,8 +19,8 @@ from shape_msgs.msg import SolidPrimitive
 from robomech_interfaces.srv import PlanJoint
 from robomech_ros.collision import Box, Clearance, PlanningScene
 from robomech_ros.kinematics import inverse_kinematics
-from robomech_ros.nodes.common.message_fields import seconds_from_duration
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, pose_from_matrix
+from robomech_ros.nodes.common.messages.message_fields import seconds_from_duration
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, pose_from_matrix
 from robomech_ros.nodes.demonstration.client import PLAN_JOINT, DemoClient
 from robomech_ros.nodes.demonstration.obstacle_cell import PART, ObstacleCell, add_cell
 from robomech_ros.nodes.demonstration.report import Reporter

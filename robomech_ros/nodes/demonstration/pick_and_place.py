@@ -11,8 +11,8 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.srv import PlanCartesian, PlanJoint, SolveFK, SolveIK
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.message_fields import seconds_from_duration
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
+from robomech_ros.nodes.common.messages.message_fields import seconds_from_duration
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.nodes.demonstration.client import DemoClient
 from robomech_ros.nodes.demonstration.postures import pick_and_place
 from robomech_ros.nodes.demonstration.report import Leg, Reporter, TipPath

@@ -10,8 +10,8 @@ from nav_msgs.msg import Odometry
 from std_msgs.msg import Float64
 
 from robomech_interfaces.msg import FootContacts
-from robomech_ros.nodes.common.message_fields import NANO
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.messages.message_fields import NANO
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
 from robomech_ros.nodes.demonstration.client import DemoClient, twist_message
 from robomech_ros.nodes.demonstration.path_follower import PathFollower
 from robomech_ros.nodes.demonstration.suite import DemoFailedError

@@ -9,9 +9,9 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
-from robomech_ros.nodes.common.error_codes import shortened
-from robomech_ros.nodes.common.message_fields import NANO
-from robomech_ros.nodes.common.robot_description import STATIC_FRAMES
+from robomech_ros.nodes.common.messages.error_codes import shortened
+from robomech_ros.nodes.common.messages.message_fields import NANO
+from robomech_ros.nodes.common.robot.robot_description import STATIC_FRAMES
 from robomech_ros.nodes.display.frame_publisher import FramePublisher
 from robomech_ros.nodes.display.other_publishers import PERIOD, OtherPublishers
 from robomech_ros.nodes.middleware.polled_subscription import Inbox, UnreadableMessageError, unpack

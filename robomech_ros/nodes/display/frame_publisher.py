@@ -9,8 +9,8 @@ from geometry_msgs.msg import TransformStamped
 from rclpy.node import Node
 
 from robomech_ros.kinematics.joint_poses import JointPoses
-from robomech_ros.nodes.common.message_fields import NANO
-from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.common.messages.message_fields import NANO
+from robomech_ros.nodes.common.robot.robot_description import LATCHED
 from robomech_ros.robots import Joint, RobotDescription
 from robomech_ros.typing import Array
 

@@ -9,8 +9,8 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from std_msgs.msg import String
 
-from robomech_ros.nodes.common.robot_description import LATCHED, TOPIC
-from robomech_ros.nodes.common.srdf_source import SEMANTIC_TOPIC
+from robomech_ros.nodes.common.robot.robot_description import LATCHED, TOPIC
+from robomech_ros.nodes.common.robot.srdf_source import SEMANTIC_TOPIC
 from robomech_ros.nodes.display.external_frames import UnclaimedFrames
 from robomech_ros.nodes.display.frame_publisher import FramePublisher
 from robomech_ros.nodes.display.other_publishers import PERIOD, OtherPublishers

@@ -4,8 +4,8 @@ import numpy as np
 
 from robomech_ros.dynamics import ChainDynamics, DynamicSystem
 from robomech_ros.execution.rejections import JointMismatchError
-from robomech_ros.nodes.common.joint_positions import JointPositions, Linkage
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.joints.joint_positions import JointPositions, Linkage
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.typing import Array
 
 

@@ -12,10 +12,14 @@ from sensor_msgs.msg import JointState
 from robomech_ros.dynamics import DynamicSystem, FloatingDynamics, TorqueSummary
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.execution.received_trajectory import joint_order
-from robomech_ros.nodes.common.joint_messages import positions_by_name
-from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats, not_negative
-from robomech_ros.nodes.common.pose_messages import point_vector
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.messages.joint_messages import positions_by_name
+from robomech_ros.nodes.common.messages.message_fields import (
+    duration_from_seconds,
+    floats,
+    not_negative,
+)
+from robomech_ros.nodes.common.messages.pose_messages import point_vector
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.dynamics.drives import Drives
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.robots import Body, SerialChain

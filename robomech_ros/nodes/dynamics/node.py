@@ -19,15 +19,15 @@ from robomech_interfaces.srv import (
 from robomech_ros.dynamics import ChainDynamics, DynamicSystem, FloatingDynamics, torque_summary
 from robomech_ros.errors import RobomechError, WrongSizeError
 from robomech_ros.execution.received_trajectory import read_waypoints
-from robomech_ros.nodes.common.error_codes import answer, guarded
-from robomech_ros.nodes.common.floating_base import FloatingRobot
-from robomech_ros.nodes.common.joint_messages import received_trajectory
-from robomech_ros.nodes.common.joint_positions import JointPositions
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.message_fields import floats
+from robomech_ros.nodes.common.joints.joint_positions import JointPositions
+from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.messages.error_codes import answer, guarded
+from robomech_ros.nodes.common.messages.joint_messages import received_trajectory
+from robomech_ros.nodes.common.messages.message_fields import floats
 from robomech_ros.nodes.common.parameters import NodeParameters
-from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.common.robot_source import when_robot_known
+from robomech_ros.nodes.common.robot.floating_base import FloatingRobot
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
+from robomech_ros.nodes.common.robot.robot_source import when_robot_known
 from robomech_ros.nodes.dynamics.drives import Drives
 from robomech_ros.nodes.dynamics.messages import (
     encode_summary,

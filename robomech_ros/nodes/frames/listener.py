@@ -14,8 +14,8 @@ from rclpy.clock import JumpThreshold, TimeJump
 from rclpy.duration import Duration
 from rclpy.node import Node
 
-from robomech_ros.nodes.common.message_fields import NANO
-from robomech_ros.nodes.common.robot_description import STATIC_FRAMES
+from robomech_ros.nodes.common.messages.message_fields import NANO
+from robomech_ros.nodes.common.robot.robot_description import STATIC_FRAMES
 from robomech_ros.nodes.frames.history import Sample
 from robomech_ros.nodes.frames.tree import FrameTree
 from robomech_ros.nodes.middleware.polled_subscription import Inbox, UnreadableMessageError, unpack

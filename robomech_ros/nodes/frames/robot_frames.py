@@ -12,10 +12,10 @@ from rclpy.node import Node
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.cooperative_wait import pause
-from robomech_ros.nodes.common.error_codes import FrameUnavailableError
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.message_fields import NANO
-from robomech_ros.nodes.common.robot_description import FrameSettings, RobotModel
+from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.messages.error_codes import FrameUnavailableError
+from robomech_ros.nodes.common.messages.message_fields import NANO
+from robomech_ros.nodes.common.robot.robot_description import FrameSettings, RobotModel
 from robomech_ros.nodes.frames.history import WINDOW
 from robomech_ros.nodes.frames.listener import FrameListener
 from robomech_ros.nodes.frames.tree import NoTransformError, TransformResult

@@ -25,9 +25,9 @@ from robomech_ros.hands import (
     is_form_closed,
 )
 from robomech_ros.kinematics import InverseKinematicsResult
-from robomech_ros.nodes.common.error_codes import answer
-from robomech_ros.nodes.common.message_fields import floats
-from robomech_ros.nodes.common.pose_messages import linear_rows_first, stamped_twist
+from robomech_ros.nodes.common.messages.error_codes import answer
+from robomech_ros.nodes.common.messages.message_fields import floats
+from robomech_ros.nodes.common.messages.pose_messages import linear_rows_first, stamped_twist
 from robomech_ros.nodes.grasping.requests import HandPosture, in_space
 from robomech_ros.outcomes import Code
 from robomech_ros.typing import Array

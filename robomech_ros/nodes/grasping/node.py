@@ -25,11 +25,11 @@ from robomech_ros.hands.forces import SMALLEST
 from robomech_ros.hands.postures import MOST_POSTURES
 from robomech_ros.hands.quality import SHORTEST
 from robomech_ros.nodes.common.cooperative_wait import Worker
-from robomech_ros.nodes.common.error_codes import OutcomeError, guarded
-from robomech_ros.nodes.common.joint_messages import positions_by_name
-from robomech_ros.nodes.common.joint_positions import is_empty
+from robomech_ros.nodes.common.joints.joint_positions import is_empty
+from robomech_ros.nodes.common.messages.error_codes import OutcomeError, guarded
+from robomech_ros.nodes.common.messages.joint_messages import positions_by_name
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.parameters import NodeParameters
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.grasping.answers import analysed, fill_efforts, fill_forces, fill_postures
 from robomech_ros.nodes.grasping.requests import (

@@ -8,10 +8,10 @@ from geometry_msgs.msg import Vector3
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.hands import Contact, Hand
-from robomech_ros.nodes.common.error_codes import FrameUnavailableError
-from robomech_ros.nodes.common.joint_messages import positions_by_name
-from robomech_ros.nodes.common.joint_positions import is_empty
-from robomech_ros.nodes.common.pose_messages import point_vector
+from robomech_ros.nodes.common.joints.joint_positions import is_empty
+from robomech_ros.nodes.common.messages.error_codes import FrameUnavailableError
+from robomech_ros.nodes.common.messages.joint_messages import positions_by_name
+from robomech_ros.nodes.common.messages.pose_messages import point_vector
 from robomech_ros.typing import Array
 
 # The quality of more contacts takes longer than anyone wants to wait.

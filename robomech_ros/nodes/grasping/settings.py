@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from robomech_ros.nodes.common.parameters import changeable, parameter
-from robomech_ros.nodes.common.robot_description import check_frame_prefix
+from robomech_ros.nodes.common.robot.robot_description import check_frame_prefix
 
 
 @dataclass(frozen=True)

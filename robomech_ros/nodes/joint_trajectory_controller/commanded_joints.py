@@ -18,10 +18,10 @@ from robomech_ros.execution.joints import Joints, State, at_rest
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.execution.rejections import TrajectoryRefusedError
-from robomech_ros.nodes.common.error_codes import OutcomeError, code_of
-from robomech_ros.nodes.common.joint_messages import received_trajectory
+from robomech_ros.nodes.common.messages.error_codes import OutcomeError, code_of
+from robomech_ros.nodes.common.messages.joint_messages import received_trajectory
+from robomech_ros.nodes.common.messages.rejection_status import Refusal, trajectory_label
 from robomech_ros.nodes.common.motion_clock import MotionClock
-from robomech_ros.nodes.common.rejection_status import Refusal, trajectory_label
 from robomech_ros.nodes.joint_trajectory_controller.constraints import default_tolerances
 from robomech_ros.nodes.joint_trajectory_controller.settings import (
     DYNAMIC,

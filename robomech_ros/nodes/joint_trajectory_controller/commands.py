@@ -10,7 +10,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult
-from robomech_ros.nodes.common.error_codes import code_of
+from robomech_ros.nodes.common.messages.error_codes import code_of
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.middleware.reliable_topics import subscribe_reliably

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.motion_clock import MotionClock
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.display.robot_display import RobotDisplay
 from robomech_ros.nodes.joint_trajectory_controller.action_base import ActionBase
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints

@@ -1,7 +1,7 @@
 """How the simulated robot is, for the diagnostics."""
 
 from robomech_ros.execution.controller.follower import Phase
-from robomech_ros.nodes.common.rejection_status import refusal_values
+from robomech_ros.nodes.common.messages.rejection_status import refusal_values
 from robomech_ros.nodes.common.status_report import NodeHealth
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper

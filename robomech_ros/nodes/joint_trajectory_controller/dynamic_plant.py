@@ -9,7 +9,7 @@ from robomech_ros.dynamics import ControlledArm, DynamicSystem
 from robomech_ros.dynamics.systems import LostPostureError, dynamic_system
 from robomech_ros.execution.controller.simulated_joints import DrivenMotion
 from robomech_ros.execution.joints import State, at_rest
-from robomech_ros.nodes.common.error_codes import OutcomeError
+from robomech_ros.nodes.common.messages.error_codes import OutcomeError
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 from robomech_ros.outcomes import Code
 from robomech_ros.robots import Body, SerialChain

@@ -8,12 +8,12 @@ from nav_msgs.msg import Odometry
 from rclpy.node import Node
 
 from robomech_ros.dynamics import FloatingBase, FloatingChain
-from robomech_ros.nodes.common.message_fields import NANO, fill_header
+from robomech_ros.nodes.common.messages.message_fields import NANO, fill_header
+from robomech_ros.nodes.common.messages.pose_messages import fill_pose
 from robomech_ros.nodes.common.motion_clock import MotionClock
-from robomech_ros.nodes.common.odometry_frame import LEAST, odometry_frame
 from robomech_ros.nodes.common.parameters import ParameterError
-from robomech_ros.nodes.common.pose_messages import fill_pose
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot.odometry_frame import LEAST, odometry_frame
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.display.robot_display import NEVER
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
 from robomech_ros.nodes.joint_trajectory_controller.settings import (

@@ -19,8 +19,8 @@ from robomech_ros.execution.joints import State
 from robomech_ros.execution.motion_tolerances import Tolerances, override_tolerances
 from robomech_ros.execution.received_trajectory import joint_order
 from robomech_ros.nodes.common.cooperative_wait import wake
-from robomech_ros.nodes.common.error_codes import code_of
-from robomech_ros.nodes.common.message_fields import floats, seconds_from_duration
+from robomech_ros.nodes.common.messages.error_codes import code_of
+from robomech_ros.nodes.common.messages.message_fields import floats, seconds_from_duration
 from robomech_ros.nodes.joint_trajectory_controller.action_base import ActionBase
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.commands import log_end

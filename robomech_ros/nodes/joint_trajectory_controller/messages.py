@@ -5,7 +5,7 @@ from typing import Any
 from trajectory_msgs.msg import JointTrajectoryPoint
 
 from robomech_ros.execution.joints import State
-from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
+from robomech_ros.nodes.common.messages.message_fields import duration_from_seconds, floats
 
 
 def point_from_state(state: State, time: Any) -> JointTrajectoryPoint:

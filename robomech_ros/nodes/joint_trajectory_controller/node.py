@@ -11,11 +11,11 @@ from rclpy.task import Future
 from robomech_ros.execution.controller.follower import Phase
 from robomech_ros.execution.controller.simulated_joints import Faults
 from robomech_ros.nodes.common.cooperative_wait import wake
-from robomech_ros.nodes.common.floating_base import FloatingRobot
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError
-from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.common.robot_source import when_robot_known
+from robomech_ros.nodes.common.robot.floating_base import FloatingRobot
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
+from robomech_ros.nodes.common.robot.robot_source import when_robot_known
 from robomech_ros.nodes.common.status_report import StatusReport
 from robomech_ros.nodes.joint_trajectory_controller.action_base import ActionBase
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints

@@ -15,8 +15,8 @@ from robomech_ros.execution.controller.joining import completed
 from robomech_ros.execution.controller.state_check import Margin
 from robomech_ros.execution.joints import State, at_rest
 from robomech_ros.execution.rejections import JointMismatchError, TrajectoryRefusedError
-from robomech_ros.nodes.common.closed_loop_positions import ClosedLoopPositions
-from robomech_ros.nodes.common.error_codes import OutcomeError
+from robomech_ros.nodes.common.joints.closed_loop_positions import ClosedLoopPositions
+from robomech_ros.nodes.common.messages.error_codes import OutcomeError
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot, dynamic_plant

@@ -9,7 +9,7 @@ from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import JointState
 
-from robomech_ros.nodes.common.message_fields import NANO, floats
+from robomech_ros.nodes.common.messages.message_fields import NANO, floats
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 
 # Efforts older than this (ns) are no longer those of the robot.

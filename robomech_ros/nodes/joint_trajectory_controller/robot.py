@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
     from robomech_ros.dynamics import DynamicSystem
-    from robomech_ros.nodes.common.robot_description import RobotModel
+    from robomech_ros.nodes.common.robot.robot_description import RobotModel
     from robomech_ros.nodes.joint_trajectory_controller.dynamic_plant import DynamicPlant
     from robomech_ros.walking import LeggedRobot
 

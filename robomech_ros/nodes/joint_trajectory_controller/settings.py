@@ -7,9 +7,9 @@ import numpy as np
 
 from robomech_ros.execution.controller.follower_settings import FollowerSettings
 from robomech_ros.execution.controller.simulated_joints import Faults
-from robomech_ros.nodes.common.floating_base import FloatingSettings, check_momentum
-from robomech_ros.nodes.common.gripper_names import GripperNames, listed_names
 from robomech_ros.nodes.common.parameters import ParameterError, changeable, parameter
+from robomech_ros.nodes.common.robot.floating_base import FloatingSettings, check_momentum
+from robomech_ros.nodes.common.robot.gripper_names import GripperNames, listed_names
 from robomech_ros.nodes.display.robot_display import ALWAYS, AUTO, NEVER
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.typing import Array

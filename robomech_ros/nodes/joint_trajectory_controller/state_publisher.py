@@ -6,8 +6,8 @@ import numpy as np
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from robomech_ros.nodes.common.message_fields import floats
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.messages.message_fields import floats
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.reported_efforts import ReportedEfforts
 

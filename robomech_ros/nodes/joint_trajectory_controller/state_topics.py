@@ -11,7 +11,7 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.desired_state import desired_state, past_the_end
 from robomech_ros.execution.joints import State
 from robomech_ros.execution.rejections import TrajectoryRefusedError
-from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
+from robomech_ros.nodes.common.messages.message_fields import duration_from_seconds, floats
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.messages import point_from_state

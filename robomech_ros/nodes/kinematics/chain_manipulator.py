@@ -26,8 +26,8 @@ from robomech_ros.kinetostatics.singularities.report import posture_report
 from robomech_ros.kinetostatics.workspace.boundary import positioning_boundary
 from robomech_ros.kinetostatics.workspace.positioning_part import positioning_part
 from robomech_ros.nodes.common.cooperative_wait import Worker
-from robomech_ros.nodes.common.joint_positions import JointPositions
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.joints.joint_positions import JointPositions
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.kinematics.kinematic_results import PostureReport, distances_between
 from robomech_ros.nodes.kinematics.markers import boundary_markers
 from robomech_ros.nodes.kinematics.messages import inverse_options, wants_first

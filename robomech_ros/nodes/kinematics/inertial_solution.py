@@ -12,7 +12,7 @@ from robomech_ros.kinematics.inverse.contacts import Scene, without_contacts
 from robomech_ros.kinematics.inverse.result import Findings, InverseKinematicsResult, Listing
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.kinematics.inverse.task import FULL_TASK
-from robomech_ros.nodes.common.inertial_paths import follow_inertial
+from robomech_ros.nodes.common.robot.inertial_paths import follow_inertial
 from robomech_ros.spatial.poses import rigid_inverse
 from robomech_ros.typing import Array
 

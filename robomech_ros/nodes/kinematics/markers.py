@@ -11,8 +11,8 @@ from rclpy.node import Node
 from visualization_msgs.msg import Marker, MarkerArray
 
 from robomech_ros.kinetostatics import Workspace, manipulability_ellipsoid
-from robomech_ros.nodes.common.pose_messages import pose_from_matrix
-from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.common.messages.pose_messages import pose_from_matrix
+from robomech_ros.nodes.common.robot.robot_description import LATCHED
 from robomech_ros.nodes.kinematics.kinematic_results import PostureReport
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array

@@ -7,15 +7,15 @@ import numpy as np
 from sensor_msgs.msg import PointCloud2, PointField
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.nodes.common.error_codes import answer
-from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
-from robomech_ros.nodes.common.message_fields import (
+from robomech_ros.nodes.common.messages.error_codes import answer
+from robomech_ros.nodes.common.messages.joint_messages import TrajectoryPoints
+from robomech_ros.nodes.common.messages.message_fields import (
     duration_from_seconds,
     floats,
     not_negative,
     seconds_from_duration,
 )
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_twist
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, stamped_twist
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.kinematics.kinematic_results import PostureReport
 from robomech_ros.outcomes import Code

@@ -22,22 +22,22 @@ from robomech_interfaces.srv import (
 from robomech_ros.errors import RobomechError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.cooperative_wait import TimeSlices, Worker
-from robomech_ros.nodes.common.error_codes import OutcomeError, answer, guarded
-from robomech_ros.nodes.common.floating_base import FloatingRobot
-from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
-from robomech_ros.nodes.common.joint_positions import JointPositions, Linkage
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.message_fields import floats
-from robomech_ros.nodes.common.parameters import NodeParameters
-from robomech_ros.nodes.common.pose_messages import (
+from robomech_ros.nodes.common.joints.joint_positions import JointPositions, Linkage
+from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.messages.error_codes import OutcomeError, answer, guarded
+from robomech_ros.nodes.common.messages.joint_messages import TrajectoryPoints
+from robomech_ros.nodes.common.messages.message_fields import floats
+from robomech_ros.nodes.common.messages.pose_messages import (
     linear_rows_first,
     matrices_from_pose_rows,
     matrix_from_pose,
     point_vector,
     stamped_pose,
 )
-from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
-from robomech_ros.nodes.common.robot_source import when_robot_known
+from robomech_ros.nodes.common.parameters import NodeParameters
+from robomech_ros.nodes.common.robot.floating_base import FloatingRobot
+from robomech_ros.nodes.common.robot.robot_description import LATCHED, RobotModel
+from robomech_ros.nodes.common.robot.robot_source import when_robot_known
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.kinematics.chain_manipulator import ChainManipulator
 from robomech_ros.nodes.kinematics.inertial_solution import solve_inertial

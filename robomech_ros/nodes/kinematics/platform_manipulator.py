@@ -12,10 +12,10 @@ from visualization_msgs.msg import Marker
 from robomech_ros.errors import BadValueError, RobomechError, SingularPostureError
 from robomech_ros.kinetostatics import point_jacobian
 from robomech_ros.nodes.common.cooperative_wait import Worker
-from robomech_ros.nodes.common.error_codes import OutcomeError, code_of
-from robomech_ros.nodes.common.joint_messages import positions_by_name
-from robomech_ros.nodes.common.joint_positions import JointPositions
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.joints.joint_positions import JointPositions
+from robomech_ros.nodes.common.messages.error_codes import OutcomeError, code_of
+from robomech_ros.nodes.common.messages.joint_messages import positions_by_name
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.kinematics.kinematic_results import PostureReport
 from robomech_ros.nodes.kinematics.markers import surface_markers
 from robomech_ros.nodes.kinematics.messages import inverse_options

@@ -8,7 +8,7 @@ import numpy as np
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.cooperative_wait import TimeSlices
-from robomech_ros.nodes.common.message_fields import append_numbers, floats
+from robomech_ros.nodes.common.messages.message_fields import append_numbers, floats
 from robomech_ros.outcomes import Code
 from robomech_ros.typing import Array
 

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from robomech_ros.nodes.common.floating_base import FloatingSettings
-from robomech_ros.nodes.common.joint_positions import StateSettings
+from robomech_ros.nodes.common.joints.joint_positions import StateSettings
 from robomech_ros.nodes.common.parameters import changeable
+from robomech_ros.nodes.common.robot.floating_base import FloatingSettings
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ from rclpy.node import Node
 from std_srvs.srv import Empty
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.common.messages.pose_messages import require_finite
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters
-from robomech_ros.nodes.common.pose_messages import require_finite
 from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.common.status_report import NodeHealth, StatusReport
 from robomech_ros.nodes.common.twist_input import TwistInput

@@ -11,8 +11,13 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.common.message_fields import fill_header, floats
-from robomech_ros.nodes.common.odometry_frame import POSE, TWIST, full_covariance, odometry_frame
+from robomech_ros.nodes.common.messages.message_fields import fill_header, floats
+from robomech_ros.nodes.common.robot.odometry_frame import (
+    POSE,
+    TWIST,
+    full_covariance,
+    odometry_frame,
+)
 from robomech_ros.nodes.display.robot_display import AUTO, NEVER, RobotDisplay
 from robomech_ros.nodes.mobile_base.mobile_base import MobileBase
 from robomech_ros.nodes.mobile_base.settings import MobileBaseSettings

@@ -15,9 +15,9 @@ from std_msgs.msg import String
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.nodes.common.cooperative_wait import pause
-from robomech_ros.nodes.common.execute_goals import AskedTolerances
-from robomech_ros.nodes.common.follow_goals import FollowGoals
-from robomech_ros.nodes.common.joint_messages import received_trajectory
+from robomech_ros.nodes.common.messages.execute_goals import AskedTolerances
+from robomech_ros.nodes.common.messages.follow_goals import FollowGoals
+from robomech_ros.nodes.common.messages.joint_messages import received_trajectory
 from robomech_ros.nodes.middleware.queue_depth import ask_action
 from robomech_ros.nodes.move_group.motion_watch import MotionWatch
 from robomech_ros.nodes.move_group.scenes import Scenes

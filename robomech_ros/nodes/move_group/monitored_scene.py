@@ -9,8 +9,8 @@ from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.cooperative_wait import Worker
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
+from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.robot.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.robots import SerialChain
 

@@ -11,7 +11,7 @@ import numpy as np
 from robomech_ros.collision import PlanningScene
 from robomech_ros.collision.departures import check_departure
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.moveit.whole_robot import Positions
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial

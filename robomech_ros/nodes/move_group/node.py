@@ -9,12 +9,12 @@ from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.cooperative_wait import Worker
-from robomech_ros.nodes.common.error_codes import OutcomeError
-from robomech_ros.nodes.common.joint_limits import robot_limits
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.joints.joint_limits import robot_limits
+from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.messages.error_codes import OutcomeError
 from robomech_ros.nodes.common.parameters import NodeParameters
-from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.common.robot_source import when_robot_known
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
+from robomech_ros.nodes.common.robot.robot_source import when_robot_known
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.move_group.settings import MoveGroupSettings
 from robomech_ros.nodes.process.resident_pages import settle_pages

@@ -18,8 +18,8 @@ from robomech_ros.collision.planning import PlanRequest, plan_path
 from robomech_ros.errors import MissingLimitsError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.nodes.common.cooperative_wait import Worker, pause
-from robomech_ros.nodes.common.joint_limits import NoLimitsForPlanError
-from robomech_ros.nodes.common.joint_messages import joint_trajectory
+from robomech_ros.nodes.common.joints.joint_limits import NoLimitsForPlanError
+from robomech_ros.nodes.common.messages.joint_messages import joint_trajectory
 from robomech_ros.nodes.move_group.scenes import Scenes
 from robomech_ros.nodes.move_group.settings import MoveGroupSettings
 from robomech_ros.nodes.moveit.motion_request import (

@@ -13,7 +13,7 @@ from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.common.robot.robot_description import LATCHED
 from robomech_ros.nodes.middleware.queue_depth import DEPTH, serve
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.move_group.scene_messages import (

@@ -10,7 +10,7 @@ from robomech_ros.collision import Clearance, PlanningScene
 from robomech_ros.collision.planning import in_words
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.cooperative_wait import Worker
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.move_group.world import SceneObject, World
 from robomech_ros.nodes.moveit.whole_robot import Positions
 from robomech_ros.robots import DisabledCollision, SerialChain

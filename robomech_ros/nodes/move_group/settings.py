@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from robomech_ros.collision.libraries import PLANNERS
+from robomech_ros.nodes.common.joints.plan_settings import PlanSettings
 from robomech_ros.nodes.common.parameters import changeable, parameter
-from robomech_ros.nodes.common.plan_settings import PlanSettings
 
 
 @dataclass(frozen=True)

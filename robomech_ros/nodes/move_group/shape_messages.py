@@ -10,7 +10,7 @@ from shape_msgs.msg import SolidPrimitive
 from robomech_ros.collision import Box, Cone, Cylinder, Mesh, Plane, Sphere
 from robomech_ros.collision.meshes import check_triangles
 from robomech_ros.errors import BadValueError, WrongSizeError
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, pose_from_matrix
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, pose_from_matrix
 from robomech_ros.typing import Array
 
 # Shape of the library, and its pose (4, 4) in the object (m).

@@ -9,8 +9,8 @@ from moveit_msgs.msg import CollisionObject
 from std_msgs.msg import Header
 
 from robomech_ros.errors import BadValueError, UnknownLinkError, WrongSizeError
-from robomech_ros.nodes.common.message_fields import not_negative
-from robomech_ros.nodes.common.pose_messages import pose_from_matrix
+from robomech_ros.nodes.common.messages.message_fields import not_negative
+from robomech_ros.nodes.common.messages.pose_messages import pose_from_matrix
 from robomech_ros.nodes.move_group.shape_messages import (
     PlacedShape,
     append_shapes,

@@ -8,8 +8,12 @@ import numpy as np
 from moveit_msgs.msg import MoveItErrorCodes
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.nodes.common.message_fields import check_waypoints, finite_number, not_negative
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.messages.message_fields import (
+    check_waypoints,
+    finite_number,
+    not_negative,
+)
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
 from robomech_ros.nodes.moveit.constraints import Conditions, frames_of
 from robomech_ros.nodes.moveit.serving import chain_of, refused_as
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot

@@ -11,8 +11,8 @@ from moveit_msgs.msg import MoveItErrorCodes, OrientationConstraint
 from shape_msgs.msg import SolidPrimitive
 
 from robomech_ros.errors import BadValueError, UnknownJointError, WrongSizeError
-from robomech_ros.nodes.common.message_fields import finite_number, not_negative
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, point_vector
+from robomech_ros.nodes.common.messages.message_fields import finite_number, not_negative
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, point_vector
 from robomech_ros.nodes.frames.robot_frames import FrameAttachment
 from robomech_ros.nodes.moveit.serving import RejectedError
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot

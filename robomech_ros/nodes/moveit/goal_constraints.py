@@ -12,7 +12,7 @@ from moveit_msgs.msg import (
 )
 from shape_msgs.msg import SolidPrimitive
 
-from robomech_ros.nodes.common.pose_messages import pose_from_matrix
+from robomech_ros.nodes.common.messages.pose_messages import pose_from_matrix
 from robomech_ros.typing import Array
 
 

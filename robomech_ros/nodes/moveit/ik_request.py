@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 from moveit_msgs.msg import MoveItErrorCodes
 
-from robomech_ros.nodes.common.message_fields import seconds_from_duration
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.messages.message_fields import seconds_from_duration
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
 from robomech_ros.nodes.moveit.constraints import Conditions, frames_of
 from robomech_ros.nodes.moveit.serving import RejectedError, chain_of, refused_as
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot

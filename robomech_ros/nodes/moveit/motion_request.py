@@ -12,8 +12,8 @@ from shape_msgs.msg import SolidPrimitive
 
 from robomech_ros.collision.libraries import PLANNERS
 from robomech_ros.errors import BadValueError
-from robomech_ros.nodes.common.message_fields import finite_number, not_negative
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, point_vector
+from robomech_ros.nodes.common.messages.message_fields import finite_number, not_negative
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, point_vector
 from robomech_ros.nodes.frames.robot_frames import FrameAttachment
 from robomech_ros.nodes.moveit.cartesian_request import read_scale
 from robomech_ros.nodes.moveit.constraints import Conditions, frames_of

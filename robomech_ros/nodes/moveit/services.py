@@ -15,7 +15,7 @@ from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
 from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.nodes.common.cooperative_wait import TimeSlices
-from robomech_ros.nodes.common.pose_messages import stamped_pose
+from robomech_ros.nodes.common.messages.pose_messages import stamped_pose
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.moveit.ik_request import IkRequest, IkTarget, read_ik_request
 from robomech_ros.nodes.moveit.serving import Collisions, RejectedError, answering, refused_as

@@ -10,12 +10,12 @@ from rclpy.node import Node
 
 from robomech_ros.collision import PlanningScene
 from robomech_ros.errors import RobomechError, UnknownLinkError
-from robomech_ros.nodes.common.error_codes import (
+from robomech_ros.nodes.common.messages.error_codes import (
     FrameUnavailableError,
     NoStateError,
     RobotMovesError,
 )
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.robots import SerialChain
 

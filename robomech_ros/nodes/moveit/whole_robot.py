@@ -8,8 +8,8 @@ import numpy as np
 
 from robomech_ros.errors import BadValueError, UnknownJointError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.joint_messages import joint_state, values_by_name
-from robomech_ros.nodes.common.message_fields import finite_number
+from robomech_ros.nodes.common.messages.joint_messages import joint_state, values_by_name
+from robomech_ros.nodes.common.messages.message_fields import finite_number
 from robomech_ros.nodes.frames.robot_frames import FrameAttachment, RobotFrames
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose

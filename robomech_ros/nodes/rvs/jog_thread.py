@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 from rclpy.node import Node
 
 from robomech_ros.nodes.rvs.poll_thread import PollThread
-from robomech_ros.rvs.model.jog import HoldHeartbeat, JogSwitch
+from robomech_ros.rvs.model.running.jog import HoldHeartbeat, JogSwitch
 
 Held = TypeVar("Held")
 
@@ -17,7 +17,7 @@ Held = TypeVar("Held")
 class JogThread(ABC, Generic[Held]):
     """Sends commands from a thread of its own, which nothing else delays.
 
-    What ends a press, and in how much time, is in :mod:`robomech_ros.rvs.model.jog`.
+    What ends a press, and in how much time, is in :mod:`robomech_ros.rvs.model.running.jog`.
 
     - ``silence``: after so long (s) without a word of the page nothing is held.
     - ``period``: how often it commands (s).

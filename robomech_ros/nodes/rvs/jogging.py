@@ -1,6 +1,6 @@
 """Jogs the robot through the servo, while a page holds a button.
 
-What ends a press, and in how much time, is in :mod:`robomech_ros.rvs.model.jog`.
+What ends a press, and in how much time, is in :mod:`robomech_ros.rvs.model.running.jog`.
 """
 
 from collections.abc import Callable
@@ -10,11 +10,11 @@ from geometry_msgs.msg import TwistStamped
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.rvs.jog_thread import JogThread
 from robomech_ros.nodes.rvs.messages import joint_jog, twist_jog
 from robomech_ros.nodes.rvs.settings import RvsSettings
-from robomech_ros.rvs.model.jog import HoldHeartbeat, JogDirection
+from robomech_ros.rvs.model.running.jog import HoldHeartbeat, JogDirection
 
 # How often the servo is commanded (s): well within the time after which it brakes by itself.
 _PERIOD = 0.02

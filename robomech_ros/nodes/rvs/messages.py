@@ -12,13 +12,13 @@ from visualization_msgs.msg import Marker
 from robomech_interfaces.msg import ServoStatus
 from robomech_ros.errors import BadValueError, NonFiniteError
 from robomech_ros.execution.received_trajectory import read_waypoints
-from robomech_ros.nodes.common.joint_messages import received_trajectory
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.messages.joint_messages import received_trajectory
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.robots import PRISMATIC, SerialChain
 from robomech_ros.rvs import Motion
-from robomech_ros.rvs.model.jog import JogDirection
-from robomech_ros.rvs.model.live_robot import ServoNews, ViewMarker
+from robomech_ros.rvs.model.running.jog import JogDirection
+from robomech_ros.rvs.model.running.live_robot import ServoNews, ViewMarker
 from robomech_ros.typing import Array
 
 # Of one plan, and of one marker; more would hold the page up.
@@ -61,7 +61,7 @@ def motion_from_trajectory(
     mechanism = model.mechanism
     if mechanism is None:
         return Motion(model.chain, given.times, given.positions, qd=qd, qdd=qdd)
-    from robomech_ros.rvs.model.drive_motions import followed_motion
+    from robomech_ros.rvs.model.motions.drive_motions import followed_motion
 
     home = zip(mechanism.joint_names, mechanism.home().tolist(), strict=True)
     q = np.array([start.get(name, at) for name, at in home])

@@ -7,8 +7,8 @@ from rclpy.node import Node
 
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.readiness import Readiness
-from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.common.robot_source import when_robot_known
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
+from robomech_ros.nodes.common.robot.robot_source import when_robot_known
 from robomech_ros.nodes.common.status_report import NodeHealth, StatusReport
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.nodes.rvs.mobile.mobile_robots import MOVERS, MobileRobot

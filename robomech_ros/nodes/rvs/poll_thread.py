@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from rclpy.node import Node
 
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.rvs.settings import RvsSettings
 

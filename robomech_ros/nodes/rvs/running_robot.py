@@ -11,7 +11,7 @@ from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import Marker, MarkerArray
 
 from robomech_ros.errors import BadValueError, RobomechError
-from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
+from robomech_ros.nodes.common.robot.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.rvs.gripper import GripperClient, soon
 from robomech_ros.nodes.rvs.jog_thread import JoggedRobot
@@ -22,7 +22,7 @@ from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.nodes.rvs.state_feed import StateFeed
 from robomech_ros.nodes.rvs.world_feed import WorldFeed
 from robomech_ros.robots.gripper import GripperModel
-from robomech_ros.rvs.model.live_robot import ViewMarker
+from robomech_ros.rvs.model.running.live_robot import ViewMarker
 from robomech_ros.typing import Array
 
 if TYPE_CHECKING:

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 from rclpy.node import Node
 
 from robomech_interfaces.msg import ServoStatus
-from robomech_ros.nodes.common.error_codes import NoStateError
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.messages.error_codes import NoStateError
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.rvs.messages import servo_news
 from robomech_ros.nodes.rvs.poll_thread import DEPTH, PollThread
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.nodes.servo.status import status_topic
-from robomech_ros.rvs.model.live_robot import ServoNews
+from robomech_ros.rvs.model.running.live_robot import ServoNews
 
 if TYPE_CHECKING:
     from robomech_ros.rvs.layers.live import LiveLayer

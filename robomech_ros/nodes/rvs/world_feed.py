@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.cooperative_wait import Worker
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.pose_messages import pose_from_matrix
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.messages.pose_messages import pose_from_matrix
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.move_group.monitored_scene import MonitoredScene
 from robomech_ros.nodes.rvs.gripper import soon
 from robomech_ros.typing import Array

@@ -10,11 +10,11 @@ from geometry_msgs.msg import PoseStamped, TwistStamped
 from sensor_msgs.msg import JointState
 
 from robomech_ros.errors import BadValueError, NonFiniteError, UnknownJointError, WrongSizeError
-from robomech_ros.nodes.common.error_codes import FrameUnavailableError
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.messages.error_codes import FrameUnavailableError
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, twist_vector
 from robomech_ros.nodes.common.motion_clock import MotionClock
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, twist_vector
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.servo.settings import SPEED_UNITS, ServoNodeSettings
 from robomech_ros.servo.commands import JointCommand, PoseCommand, TwistCommand

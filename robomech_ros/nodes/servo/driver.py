@@ -5,11 +5,11 @@ from collections.abc import Callable
 import numpy as np
 from rclpy.node import Node
 
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.joints.stall_monitor import HELD_UP, StallMonitor
+from robomech_ros.nodes.common.joints.tracking_monitor import Fault, TrackingMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock
-from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.common.stall_monitor import HELD_UP, StallMonitor
-from robomech_ros.nodes.common.tracking_monitor import Fault, TrackingMonitor
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.servo.command_intake import CommandIntake

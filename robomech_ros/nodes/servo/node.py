@@ -11,11 +11,11 @@ from std_srvs.srv import SetBool
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinetostatics.singularities.generic_rank import scaling_length
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters
-from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.common.robot_source import when_robot_known
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
+from robomech_ros.nodes.common.robot.robot_source import when_robot_known
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.process.resident_pages import settle_pages
 from robomech_ros.nodes.process.run import run_node

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from robomech_ros.nodes.common.parameters import ParameterError, changeable, parameter
-from robomech_ros.nodes.common.robot_description import FrameSettings
+from robomech_ros.nodes.common.robot.robot_description import FrameSettings
 from robomech_ros.servo.servo import ServoSettings
 
 SPEED_UNITS = "speed_units"

@@ -5,7 +5,7 @@ from rclpy.node import Node
 from rclpy.time import Time
 from trajectory_msgs.msg import JointTrajectory
 
-from robomech_ros.nodes.common.joint_messages import stream_message
+from robomech_ros.nodes.common.messages.joint_messages import stream_message
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.servo.settings import ServoNodeSettings, max_lead
 from robomech_ros.servo.lead import AdaptiveLead

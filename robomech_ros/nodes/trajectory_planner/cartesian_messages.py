@@ -11,10 +11,10 @@ from robomech_interfaces.srv import PlanCartesian
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.cartesian import CartesianPlan, PathStopLimits, waypoint_path
 from robomech_ros.errors import BadValueError
-from robomech_ros.nodes.common.error_codes import answer
-from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
-from robomech_ros.nodes.common.message_fields import check_waypoints, finite_number
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.messages.error_codes import answer
+from robomech_ros.nodes.common.messages.joint_messages import TrajectoryPoints
+from robomech_ros.nodes.common.messages.message_fields import check_waypoints, finite_number
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
 from robomech_ros.nodes.frames.robot_frames import Positions, RobotFrames
 from robomech_ros.nodes.trajectory_planner.plan_messages import encode_waypoints, named
 from robomech_ros.nodes.trajectory_planner.settings import PlannerSettings

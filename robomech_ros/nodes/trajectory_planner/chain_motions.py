@@ -10,7 +10,7 @@ from sensor_msgs.msg import JointState
 from robomech_ros.cartesian import CartesianPlan, plan_along
 from robomech_ros.cartesian.arms import load_inverse_kinematics
 from robomech_ros.kinematics import forward_kinematics, tip_poses
-from robomech_ros.nodes.common.joint_positions import JointPositions
+from robomech_ros.nodes.common.joints.joint_positions import JointPositions
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import Limits, PosePath, SampledPlan
 from robomech_ros.trajectory.plans.fitting_plan import fitting_plan

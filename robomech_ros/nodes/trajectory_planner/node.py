@@ -15,16 +15,16 @@ from robomech_ros.cartesian import Sampling
 from robomech_ros.errors import BadValueError, MissingLimitsError, RobomechError
 from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.nodes.common.cooperative_wait import Worker
-from robomech_ros.nodes.common.error_codes import answer, guarded
-from robomech_ros.nodes.common.floating_base import FloatingRobot
-from robomech_ros.nodes.common.inertial_paths import plan_inertial
-from robomech_ros.nodes.common.joint_limits import NoLimitsForPlanError, robot_limits
-from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
-from robomech_ros.nodes.common.joint_positions import JointPositions, is_empty
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.joints.joint_limits import NoLimitsForPlanError, robot_limits
+from robomech_ros.nodes.common.joints.joint_positions import JointPositions, is_empty
+from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.messages.error_codes import answer, guarded
+from robomech_ros.nodes.common.messages.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.parameters import NodeParameters
-from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.common.robot_source import when_robot_known
+from robomech_ros.nodes.common.robot.floating_base import FloatingRobot
+from robomech_ros.nodes.common.robot.inertial_paths import plan_inertial
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
+from robomech_ros.nodes.common.robot.robot_source import when_robot_known
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.move_group.monitored_scene import MonitoredScene

@@ -9,15 +9,15 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_interfaces.srv import PlanJoint
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.nodes.common.joint_messages import TrajectoryPoints
-from robomech_ros.nodes.common.message_fields import (
+from robomech_ros.nodes.common.joints.plan_settings import SHORTEST_PERIOD
+from robomech_ros.nodes.common.messages.joint_messages import TrajectoryPoints
+from robomech_ros.nodes.common.messages.message_fields import (
     check_waypoints,
     duration_from_seconds,
     finite_number,
     floats,
     seconds_from_duration,
 )
-from robomech_ros.nodes.common.plan_settings import SHORTEST_PERIOD
 from robomech_ros.nodes.trajectory_planner.settings import PlannerSettings
 from robomech_ros.trajectory import VIA_PROFILES, Limits, SampledPlan, Waypoints
 from robomech_ros.trajectory.plans.fitting_plan import check_duration

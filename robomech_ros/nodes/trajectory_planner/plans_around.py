@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from robomech_ros.cartesian.path_checks import PathStopLimits
 from robomech_ros.errors import DurationTooShortError
 from robomech_ros.kinematics import tip_poses
-from robomech_ros.nodes.common.error_codes import OutcomeError
+from robomech_ros.nodes.common.messages.error_codes import OutcomeError
 from robomech_ros.nodes.trajectory_planner.chain_motions import Planned
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.plans.fitting_plan import sampled_to_fit

@@ -6,9 +6,9 @@ import numpy as np
 from sensor_msgs.msg import JointState
 
 from robomech_ros.cartesian import CartesianPlan
-from robomech_ros.nodes.common.error_codes import OutcomeError
-from robomech_ros.nodes.common.joint_messages import positions_by_name
-from robomech_ros.nodes.common.joint_positions import JointPositions
+from robomech_ros.nodes.common.joints.joint_positions import JointPositions
+from robomech_ros.nodes.common.messages.error_codes import OutcomeError
+from robomech_ros.nodes.common.messages.joint_messages import positions_by_name
 from robomech_ros.nodes.trajectory_planner.chain_motions import Planned
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel import Mechanism, follow_drives, plan_drives, plan_platform

@@ -11,8 +11,8 @@ from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
 
-from robomech_ros.nodes.common.pose_messages import fill_pose
-from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
+from robomech_ros.nodes.common.messages.pose_messages import fill_pose
+from robomech_ros.nodes.common.robot.robot_description import LATCHED, RobotModel
 from robomech_ros.typing import Array
 
 # Pose messages that are kept from one path to the next, 2 kB each.

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from robomech_ros.nodes.common.floating_base import FloatingSettings
+from robomech_ros.nodes.common.joints.plan_settings import PlanSettings
 from robomech_ros.nodes.common.parameters import changeable
-from robomech_ros.nodes.common.plan_settings import PlanSettings
+from robomech_ros.nodes.common.robot.floating_base import FloatingSettings
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,12 @@ from rclpy.task import Future
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.execution.client.execution_request import ExecutionRequest
-from robomech_ros.nodes.common.execute_goals import AskedTolerances, ExecuteGoals
+from robomech_ros.nodes.common.messages.execute_goals import AskedTolerances, ExecuteGoals
 from robomech_ros.nodes.middleware.queue_depth import ask_action
 from robomech_ros.outcomes import Code
 
 if TYPE_CHECKING:
-    from robomech_ros.nodes.common.follow_goals import FollowGoals
+    from robomech_ros.nodes.common.messages.follow_goals import FollowGoals
 
 OnResult = Callable[[ExecutionRequest, int, str], None]
 Moved = Callable[[], bool]

@@ -9,9 +9,9 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_ros.execution.client.execution_request import ExecutionRequest, Transport
 from robomech_ros.execution.client.position_check import STILL
 from robomech_ros.execution.joints import JointKinds, Joints
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.middleware.liveliness import LivelinessMonitor
 from robomech_ros.nodes.trajectory_publisher.action_transport import ActionTransport, request_topic
 from robomech_ros.nodes.trajectory_publisher.controller_refusals import ControllerRefusals

@@ -7,7 +7,7 @@ from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.execution.client.execution_request import ExecutionRequest
-from robomech_ros.nodes.common.rejection_status import read_refusal, trajectory_label
+from robomech_ros.nodes.common.messages.rejection_status import read_refusal, trajectory_label
 from robomech_ros.nodes.common.status_report import TOPIC
 
 _DEPTH = 10

@@ -11,8 +11,8 @@ from robomech_interfaces.srv import Execute
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.client.execution_request import ExecutionRequest
 from robomech_ros.execution.client.position_check import off_goal, off_start
-from robomech_ros.nodes.common.error_codes import NoStateError, answer, guarded
-from robomech_ros.nodes.common.message_fields import duration_from_seconds
+from robomech_ros.nodes.common.messages.error_codes import NoStateError, answer, guarded
+from robomech_ros.nodes.common.messages.message_fields import duration_from_seconds
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.trajectory_publisher.controller_client import ControllerClient
 from robomech_ros.nodes.trajectory_publisher.received_plans import ReceivedPlans

@@ -10,8 +10,8 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from robomech_ros.errors import UnknownJointError, WrongSizeError
 from robomech_ros.execution.client.execution_request import ExecutionRequest, Transport
 from robomech_ros.execution.received_trajectory import read_waypoints
-from robomech_ros.nodes.common.joint_messages import received_trajectory
-from robomech_ros.nodes.common.message_fields import duration_from_seconds, floats
+from robomech_ros.nodes.common.messages.joint_messages import received_trajectory
+from robomech_ros.nodes.common.messages.message_fields import duration_from_seconds, floats
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.typing import Array
 

@@ -6,13 +6,13 @@ from typing import Any
 from rclpy.node import Node
 
 from robomech_ros.execution.client.execution_request import ExecutionRequest
-from robomech_ros.nodes.common.execute_goals import ExecuteGoals
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.messages.execute_goals import ExecuteGoals
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.readiness import Readiness
-from robomech_ros.nodes.common.robot_description import RobotModel
-from robomech_ros.nodes.common.robot_source import when_robot_known
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
+from robomech_ros.nodes.common.robot.robot_source import when_robot_known
 from robomech_ros.nodes.common.status_report import NodeHealth, StatusReport
 from robomech_ros.nodes.middleware.liveliness import LivelinessMonitor
 from robomech_ros.nodes.process.run import run_node

@@ -14,7 +14,7 @@ from robomech_ros.execution.client.execution_request import (
     Transport,
 )
 from robomech_ros.nodes.common.cooperative_wait import passing_timer
-from robomech_ros.nodes.common.joint_messages import joint_trajectory
+from robomech_ros.nodes.common.messages.joint_messages import joint_trajectory
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.trajectory_publisher.program import Program, Step
 from robomech_ros.robots import SerialChain

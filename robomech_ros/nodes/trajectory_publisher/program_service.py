@@ -11,9 +11,9 @@ from std_srvs.srv import Trigger
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.nodes.common.cooperative_wait import Worker
-from robomech_ros.nodes.common.error_codes import NoStateError
+from robomech_ros.nodes.common.messages.error_codes import NoStateError
 from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.trajectory_publisher.controller_client import ControllerClient
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop

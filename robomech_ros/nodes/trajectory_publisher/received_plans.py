@@ -11,7 +11,7 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.client.execution_request import ExecutionRequest, Transport
 from robomech_ros.nodes.common.cooperative_wait import ended_within
-from robomech_ros.nodes.common.error_codes import code_of
+from robomech_ros.nodes.common.messages.error_codes import code_of
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.middleware.reliable_topics import subscribe_reliably
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog

@@ -7,8 +7,8 @@ from rclpy.node import Node
 
 from robomech_ros.execution.client.execution_request import ExecutionRequest
 from robomech_ros.nodes.common.cooperative_wait import Worker
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.move_group.monitored_scene import MonitoredScene
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings
 

@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 
 from robomech_ros.execution.client.dispatch_settings import DispatchSettings
 from robomech_ros.execution.client.execution_request import Transport
-from robomech_ros.nodes.common.execute_goals import AskedTolerances, ExecuteGoals
+from robomech_ros.nodes.common.messages.execute_goals import AskedTolerances, ExecuteGoals
 from robomech_ros.nodes.common.parameters import ParameterError, changeable, parameter
-from robomech_ros.nodes.common.robot_description import RobotSettings
+from robomech_ros.nodes.common.robot.robot_description import RobotSettings
 from robomech_ros.nodes.middleware.liveliness import SHORTEST_LEASE
 
 if TYPE_CHECKING:
-    from robomech_ros.nodes.common.follow_goals import FollowGoals
+    from robomech_ros.nodes.common.messages.follow_goals import FollowGoals
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ def action_goals(transport: Transport) -> "ExecuteGoals | FollowGoals":
     if transport is not Transport.FOLLOW:
         return ExecuteGoals()
     try:
-        from robomech_ros.nodes.common.follow_goals import FollowGoals
+        from robomech_ros.nodes.common.messages.follow_goals import FollowGoals
     except ImportError as error:
         allowed = f"'topic' or 'action', since control_msgs cannot be used ({error})"
         raise ParameterError("transport", transport.value, allowed) from None

@@ -9,8 +9,8 @@ from std_srvs.srv import Trigger
 
 from robomech_interfaces.srv import SetSpeed
 from robomech_ros.errors import BadValueError, RobomechError
-from robomech_ros.nodes.common.error_codes import answer, guarded
-from robomech_ros.nodes.common.message_fields import duration_from_seconds, finite_number
+from robomech_ros.nodes.common.messages.error_codes import answer, guarded
+from robomech_ros.nodes.common.messages.message_fields import duration_from_seconds, finite_number
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 

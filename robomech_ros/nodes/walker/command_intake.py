@@ -8,8 +8,8 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.motion_clock import MotionClock
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.twist_input import TwistInput
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog

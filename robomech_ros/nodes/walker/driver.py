@@ -7,11 +7,11 @@ from rclpy.node import Node
 from rclpy.time import Time
 from trajectory_msgs.msg import JointTrajectory
 
-from robomech_ros.nodes.common.joint_messages import stream_message
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.joints.tracking_monitor import TrackingMonitor
+from robomech_ros.nodes.common.messages.joint_messages import stream_message
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.status_report import NodeHealth
-from robomech_ros.nodes.common.tracking_monitor import TrackingMonitor
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.walker.command_intake import CommandIntake
 from robomech_ros.nodes.walker.load_publication import LoadPublication

@@ -6,7 +6,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState, MultiDOFJointState
 
 from robomech_ros.errors import MissingInertiaError, RobomechError
-from robomech_ros.nodes.common.message_fields import fill_header, floats
+from robomech_ros.nodes.common.messages.message_fields import fill_header, floats
 from robomech_ros.nodes.walker.settings import WalkerSettings
 from robomech_ros.nodes.walker.stream import WalkStream
 from robomech_ros.walking import LeggedRobot, WalkingDynamics

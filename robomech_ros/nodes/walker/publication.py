@@ -9,9 +9,14 @@ from rclpy.node import Node
 from std_msgs.msg import Float64
 
 from robomech_interfaces.msg import FootContacts
-from robomech_ros.nodes.common.message_fields import NANO, fill_header
-from robomech_ros.nodes.common.odometry_frame import POSE, TWIST, full_covariance, odometry_frame
-from robomech_ros.nodes.common.pose_messages import fill_pose
+from robomech_ros.nodes.common.messages.message_fields import NANO, fill_header
+from robomech_ros.nodes.common.messages.pose_messages import fill_pose
+from robomech_ros.nodes.common.robot.odometry_frame import (
+    POSE,
+    TWIST,
+    full_covariance,
+    odometry_frame,
+)
 from robomech_ros.nodes.walker.settings import WalkerSettings
 from robomech_ros.spatial import pose_logarithm
 from robomech_ros.spatial.plain_poses import plain_pose

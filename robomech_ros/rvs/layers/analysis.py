@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.rvs.model.analysis import (
+from robomech_ros.rvs.model.arms.analysis import (
     ROWS,
     ArmFacts,
     DrawnEllipsoid,
@@ -19,7 +19,7 @@ from robomech_ros.rvs.model.analysis import (
     posture_facts,
     twist_arrows,
 )
-from robomech_ros.rvs.model.solids import sphere
+from robomech_ros.rvs.model.bodies.solids import sphere
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.mesh_nodes import add_mesh

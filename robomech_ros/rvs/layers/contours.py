@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from robomech_ros.rvs.model.curve_drawing import ROOT
-from robomech_ros.rvs.model.curve_problems import (
+from robomech_ros.rvs.model.curves.curve_drawing import ROOT
+from robomech_ros.rvs.model.curves.curve_problems import (
     JOINTS,
     CurveProblem,
     Finding,

@@ -9,8 +9,14 @@ from urllib.parse import quote
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots import DHTable
-from robomech_ros.rvs.model.dh_editing import ANGLES, changed_robot, read_change, table_of, yaml_of
-from robomech_ros.rvs.model.dh_frames import dh_frames
+from robomech_ros.rvs.model.arms.dh_editing import (
+    ANGLES,
+    changed_robot,
+    read_change,
+    table_of,
+    yaml_of,
+)
+from robomech_ros.rvs.model.arms.dh_frames import dh_frames
 from robomech_ros.rvs.page.dh_frame_nodes import DHFrameNodes
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext

@@ -5,7 +5,7 @@ from typing import Any
 
 from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.robots.gripper import gripper_model
-from robomech_ros.rvs.model.live_robot import LiveRobot
+from robomech_ros.rvs.model.running.live_robot import LiveRobot
 from robomech_ros.rvs.page.clients import AllControls, Controls
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext

@@ -11,10 +11,10 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.hands.contacts import MODELS
 from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.robots.joint import rotation_from_z
-from robomech_ros.rvs.model.analysis import TwistArrows, twist_arrows
+from robomech_ros.rvs.model.arms.analysis import TwistArrows, twist_arrows
+from robomech_ros.rvs.model.bodies.solids import cone
 from robomech_ros.rvs.model.hands.grasp import Grasp, GraspStudy, Line, quality_line, study_grasp
 from robomech_ros.rvs.model.hands.hand_view import SHAPES, SPOT, HandView
-from robomech_ros.rvs.model.solids import cone
 from robomech_ros.rvs.page.clients import AllControls, Controls
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from robomech_ros.robots import SerialChain
-from robomech_ros.rvs.model.following_goal import FollowingGoal
-from robomech_ros.rvs.model.jog import HoldHeartbeat
-from robomech_ros.rvs.model.live_robot import LiveRobot, ServoNews, ViewMarker
+from robomech_ros.rvs.model.running.following_goal import FollowingGoal
+from robomech_ros.rvs.model.running.jog import HoldHeartbeat
+from robomech_ros.rvs.model.running.live_robot import LiveRobot, ServoNews, ViewMarker
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.clients import AllControls, Controls
 from robomech_ros.rvs.page.folder import Folder

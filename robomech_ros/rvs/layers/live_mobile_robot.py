@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from robomech_ros.errors import BadValueError
 from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.rvs.model.draggable import ROUNDING
-from robomech_ros.rvs.model.jog import HoldHeartbeat
-from robomech_ros.rvs.model.live_robot import LiveMobileRobot, Stance
-from robomech_ros.rvs.model.observed_robot import ObservedRobot, Shift
+from robomech_ros.rvs.model.running.jog import HoldHeartbeat
+from robomech_ros.rvs.model.running.live_robot import LiveMobileRobot, Stance
+from robomech_ros.rvs.model.running.observed_robot import ObservedRobot, Shift
 from robomech_ros.rvs.page.clients import AllControls, Controls
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import LayerContext

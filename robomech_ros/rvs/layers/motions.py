@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.parallel import Mechanism
 from robomech_ros.rvs.layers.motion_scene import MotionScene, SweptPlan, swept
-from robomech_ros.rvs.model.motion_curves import (
+from robomech_ros.rvs.model.motions.motion_curves import (
     QUANTITIES,
     MotionCurves,
     driven_joints,
     motion_curves,
 )
-from robomech_ros.rvs.model.planning import JOINTS, PATH_KINDS, MadePlan, plan_between
-from robomech_ros.rvs.model.player import FASTEST, SLOWEST, Player
+from robomech_ros.rvs.model.motions.planning import JOINTS, PATH_KINDS, MadePlan, plan_between
+from robomech_ros.rvs.model.motions.player import FASTEST, SLOWEST, Player
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.curves import ALL, cursor_rule, curves_picture
 from robomech_ros.rvs.page.folder import Folder

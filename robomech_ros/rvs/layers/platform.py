@@ -4,7 +4,7 @@ from functools import partial
 from typing import Any
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.rvs.model.analysis import twist_arrows
+from robomech_ros.rvs.model.arms.analysis import twist_arrows
 from robomech_ros.rvs.model.platforms.lists import (
     LISTS,
     PlatformFacts,

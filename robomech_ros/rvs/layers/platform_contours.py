@@ -5,8 +5,13 @@ import numpy as np
 from robomech_ros.errors import BadValueError
 from robomech_ros.parallel.equations import PlatformEquations, platform_equations
 from robomech_ros.rvs.layers.contours import ContoursLayer
-from robomech_ros.rvs.model.curve_drawing import ROOT
-from robomech_ros.rvs.model.curve_problems import Axis, CurveProblem, Finding, equations_problem
+from robomech_ros.rvs.model.curves.curve_drawing import ROOT
+from robomech_ros.rvs.model.curves.curve_problems import (
+    Axis,
+    CurveProblem,
+    Finding,
+    equations_problem,
+)
 from robomech_ros.typing import Array
 
 _MISSING = (

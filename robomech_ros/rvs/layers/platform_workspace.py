@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.rvs.model.bodies.solids import Solid
 from robomech_ros.rvs.model.platforms.reach import PlatformReach, platform_reach
-from robomech_ros.rvs.model.solids import Solid
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.mesh_nodes import add_mesh

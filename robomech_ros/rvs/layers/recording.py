@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.rvs.model.recorder import Recorder
+from robomech_ros.rvs.model.motions.recorder import Recorder
 from robomech_ros.rvs.model.view_state import ViewState, state_from_text, text_from_state
 from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.folder import Folder

@@ -10,8 +10,8 @@ import numpy as np
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinetostatics import ReachMap
 from robomech_ros.rvs.layers.camera import fit_view
-from robomech_ros.rvs.model.curve_problems import pair_of_numbers
-from robomech_ros.rvs.model.reach_points import (
+from robomech_ros.rvs.model.curves.curve_problems import pair_of_numbers
+from robomech_ros.rvs.model.workspace.reach_points import (
     DENSITIES,
     MEASURES,
     ORIENTATIONS,
@@ -20,8 +20,12 @@ from robomech_ros.rvs.model.reach_points import (
     reach_points,
     scale_colours,
 )
-from robomech_ros.rvs.model.section_drawing import draw_section, here_rule
-from robomech_ros.rvs.model.workspace_views import SectionView, section_view, why_no_section
+from robomech_ros.rvs.model.workspace.section_drawing import draw_section, here_rule
+from robomech_ros.rvs.model.workspace.workspace_views import (
+    SectionView,
+    section_view,
+    why_no_section,
+)
 from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext

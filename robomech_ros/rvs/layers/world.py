@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from robomech_ros.rvs.model.live_robot import LiveRobot
+from robomech_ros.rvs.model.running.live_robot import LiveRobot
 from robomech_ros.rvs.page.clients import AllControls, Controls
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from robomech_ros.calibration import HandEyeResult
-from robomech_ros.rvs.model.live_robot import ViewMarker
+from robomech_ros.rvs.model.running.live_robot import ViewMarker
 from robomech_ros.typing import Array
 
 Rgba = tuple[float, float, float, float]

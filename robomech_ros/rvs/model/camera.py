@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robomech_ros.rvs.model.live_robot import ViewMarker
-from robomech_ros.rvs.model.visual_model import VisualModel
+from robomech_ros.rvs.model.bodies.visual_model import VisualModel
+from robomech_ros.rvs.model.running.live_robot import ViewMarker
 from robomech_ros.typing import Array
 
 # From where a robot is seen at first, and how: less of a field than viser's own distorts less.

@@ -13,9 +13,9 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.kinetostatics import SelfMotionCurve
 from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.robots.robot_kinds import ARM
+from robomech_ros.rvs.model.bodies.visual_model import VisualModel
 from robomech_ros.rvs.model.ghosts import GhostMaker, NoGhosts
 from robomech_ros.rvs.model.postures import PoseStudy
-from robomech_ros.rvs.model.visual_model import VisualModel
 from robomech_ros.typing import Array
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from robomech_ros.collision.shapes import LARGEST
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import SerialChain
-from robomech_ros.rvs.model.planning import MadePlan
+from robomech_ros.rvs.model.motions.planning import MadePlan
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.typing import Array

@@ -7,8 +7,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from robomech_ros.errors import BadValueError, RobomechError
-from robomech_ros.rvs.model.curve_drawing import COLOURS, Mark, draw_curves, place_script
-from robomech_ros.rvs.model.curve_problems import CurveProblem, Finding, pair_of_numbers
+from robomech_ros.rvs.model.curves.curve_drawing import COLOURS, Mark, draw_curves, place_script
+from robomech_ros.rvs.model.curves.curve_problems import CurveProblem, Finding, pair_of_numbers
 from robomech_ros.rvs.page.tables import notice, small_text
 from robomech_ros.rvs.serving.scripts import script_that_fills
 from robomech_ros.typing import Array

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from robomech_ros.rvs.model.ghosts import PALETTE
-from robomech_ros.rvs.model.motion_curves import MotionCurves, Quantity
+from robomech_ros.rvs.model.motions.motion_curves import MotionCurves, Quantity
 from robomech_ros.rvs.page.tables import STYLE, short_name
 from robomech_ros.rvs.page.units import RADIANS, Units
 from robomech_ros.typing import Array

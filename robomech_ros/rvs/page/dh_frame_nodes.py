@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from robomech_ros.rvs.model.dh_frames import DHFrames
+from robomech_ros.rvs.model.arms.dh_frames import DHFrames
 from robomech_ros.rvs.page.node_space import NodeSpace
 from robomech_ros.typing import Array
 

@@ -4,8 +4,13 @@ from collections.abc import Callable, Hashable
 from typing import Any
 
 from robomech_ros.numerics.grid_crossings import Equations
-from robomech_ros.rvs.model.curve_drawing import ROOT
-from robomech_ros.rvs.model.curve_problems import Axis, CurveProblem, Finding, equations_problem
+from robomech_ros.rvs.model.curves.curve_drawing import ROOT
+from robomech_ros.rvs.model.curves.curve_problems import (
+    Axis,
+    CurveProblem,
+    Finding,
+    equations_problem,
+)
 from robomech_ros.rvs.page.curve_view import CurveView
 from robomech_ros.rvs.page.surroundings import set_theme
 from robomech_ros.rvs.serving.server import ServedPage, guarded_server

@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from robomech_ros.rvs.model.bodies.solids import cylinder
 from robomech_ros.rvs.model.ghosts import GhostMaker, Rgb
 from robomech_ros.rvs.model.postures import MOST_POSTURES
-from robomech_ros.rvs.model.solids import cylinder
 from robomech_ros.rvs.page.mesh_nodes import add_batch
 from robomech_ros.rvs.page.node_space import NodeSpace
 from robomech_ros.typing import Array

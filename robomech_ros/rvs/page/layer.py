@@ -6,10 +6,10 @@ from functools import cached_property, partial
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 from robomech_ros.robots import RobotDescription, SerialChain
-from robomech_ros.rvs.model.arm import ArmView
+from robomech_ros.rvs.model.arms.arm import ArmView
+from robomech_ros.rvs.model.bodies.visual_model import VisualModel
 from robomech_ros.rvs.model.draggable import DraggableRobot
 from robomech_ros.rvs.model.platforms.platform_view import PlatformView
-from robomech_ros.rvs.model.visual_model import VisualModel
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.clients import Controls
 from robomech_ros.rvs.page.folder import Folder

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from robomech_ros.rvs.model.live_robot import ViewMarker
-from robomech_ros.rvs.model.solids import Solid, box, cylinder, sphere
+from robomech_ros.rvs.model.bodies.solids import Solid, box, cylinder, sphere
+from robomech_ros.rvs.model.running.live_robot import ViewMarker
 from robomech_ros.rvs.page.mesh_nodes import add_mesh
 from robomech_ros.rvs.page.node_space import placed
 

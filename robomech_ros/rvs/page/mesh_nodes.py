@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from robomech_ros.rvs.model.solids import Solid
+from robomech_ros.rvs.model.bodies.solids import Solid
 
 NO_SHADOWS: dict[str, Any] = {"cast_shadow": False, "receive_shadow": False}
 

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robomech_ros.collision import Clearance, SceneObject
-from robomech_ros.rvs.model.object_solids import ObjectPart, middle_of, parts_of
-from robomech_ros.rvs.model.solids import sphere
+from robomech_ros.rvs.model.bodies.object_solids import ObjectPart, middle_of, parts_of
+from robomech_ros.rvs.model.bodies.solids import sphere
 from robomech_ros.rvs.page.mesh_nodes import add_batch, add_mesh
 from robomech_ros.rvs.page.node_space import NodeSpace, place_node, placed
 from robomech_ros.rvs.page.robot_nodes import MARKED

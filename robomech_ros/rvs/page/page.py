@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.robots import RobotDescription, SerialChain
-from robomech_ros.rvs.model.arm import ArmView
+from robomech_ros.rvs.model.arms.arm import ArmView
+from robomech_ros.rvs.model.bodies.visual_model import VisualModel, load_visual_model
 from robomech_ros.rvs.model.draggable import DraggableRobot
 from robomech_ros.rvs.model.platforms.platform_view import PlatformView
-from robomech_ros.rvs.model.visual_model import VisualModel, load_visual_model
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.clients import AllControls, Controls, PageClients
 from robomech_ros.rvs.page.layer import Layer, LayerContext, LayerMaker, PlanView, Switch

@@ -11,11 +11,11 @@ import numpy as np
 
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.robots import RobotDescription, SerialChain
+from robomech_ros.rvs.model.bodies.visual_model import VisualModel, load_visual_model
 from robomech_ros.rvs.model.camera import marker_points, visible_points
 from robomech_ros.rvs.model.ghosts import PALETTE, GhostMaker, Ghosts, NoGhosts
-from robomech_ros.rvs.model.live_robot import ViewMarker
 from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts
-from robomech_ros.rvs.model.visual_model import VisualModel, load_visual_model
+from robomech_ros.rvs.model.running.live_robot import ViewMarker
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.ghost_nodes import Ghost, GhostNodes
 from robomech_ros.rvs.page.marker_nodes import MarkerNodes

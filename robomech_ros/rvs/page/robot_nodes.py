@@ -7,8 +7,8 @@ import numpy as np
 from viser._messages import SetOrientationMessage
 
 from robomech_ros.robots.joint import rotation_from_z
-from robomech_ros.rvs.model.solids import cylinder
-from robomech_ros.rvs.model.visual_model import Colour, VisualModel
+from robomech_ros.rvs.model.bodies.solids import cylinder
+from robomech_ros.rvs.model.bodies.visual_model import Colour, VisualModel
 from robomech_ros.rvs.page.mesh_nodes import add_mesh
 from robomech_ros.rvs.page.node_space import placed
 from robomech_ros.typing import Array

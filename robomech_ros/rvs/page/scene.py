@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from typing import Any
 
+from robomech_ros.rvs.model.bodies.visual_model import VisualModel
 from robomech_ros.rvs.model.draggable import DraggableRobot
 from robomech_ros.rvs.model.ghosts import PALETTE
-from robomech_ros.rvs.model.visual_model import VisualModel
 from robomech_ros.rvs.page.ghost_nodes import Ghost, GhostNodes
 from robomech_ros.rvs.page.node_space import NodeSpace, placed
 from robomech_ros.rvs.page.robot_nodes import MARKED, RobotNodes

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from robomech_ros.rvs.model.analysis import TwistArrows
+from robomech_ros.rvs.model.arms.analysis import TwistArrows
 from robomech_ros.rvs.model.ghosts import Rgb
 from robomech_ros.rvs.page.node_space import NodeSpace
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from robomech_ros.rvs.model.reach_points import ReachPoints
-from robomech_ros.rvs.model.solids import box
-from robomech_ros.rvs.model.workspace_views import SectionView
+from robomech_ros.rvs.model.bodies.solids import box
+from robomech_ros.rvs.model.workspace.reach_points import ReachPoints
+from robomech_ros.rvs.model.workspace.workspace_views import SectionView
 from robomech_ros.rvs.page.mesh_nodes import add_batch, add_mesh
 from robomech_ros.rvs.page.node_space import NodeSpace, place_node
 from robomech_ros.typing import Array

@@ -76,7 +76,7 @@ def drags(server: Served) -> list[float]:
     from raw_client import Client, camera, gizmo, grip
 
     from robomech_ros.robots import load_robot
-    from robomech_ros.rvs.model.arm import ArmView
+    from robomech_ros.rvs.model.arms.arm import ArmView
     from robomech_ros.rvs.page.node_space import placed
 
     pack = msgspec.msgpack.encode

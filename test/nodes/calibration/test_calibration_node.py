@@ -24,7 +24,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.calibration.files import FORMAT
 from robomech_ros.nodes.calibration.messages import stamped_transform
 from robomech_ros.nodes.calibration.node import CalibrationNode
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
 from robomech_ros.spatial import inverse_pose, pose_exponential, pose_from_position_quaternion
 
 LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)

@@ -12,7 +12,7 @@ from waiting import hide_package
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import TakeSample
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
 from robomech_ros.spatial import pose_exponential
 
 TOPICS = {"robot_topic": "hand_pose", "tracking_topic": "marker_pose"}

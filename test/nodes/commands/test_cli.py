@@ -19,7 +19,7 @@ from robomech_interfaces.srv import Execute
 from robomech_ros import __version__, fastdds_shared_memory
 from robomech_ros.cli import doctor, main as cli
 from robomech_ros.cli.warmup import kernel_modules
-from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.common.robot.robot_description import LATCHED
 from robomech_ros.nodes.move_group.node import MoveGroupNode
 from robomech_ros.nodes.process.entry_points import NODE_MODULES
 from robomech_ros.robots import list_robots

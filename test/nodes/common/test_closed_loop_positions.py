@@ -5,8 +5,8 @@ import pytest
 from sensor_msgs.msg import JointState
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.common.closed_loop_positions import ClosedLoopPositions
-from robomech_ros.nodes.common.error_codes import code_of
+from robomech_ros.nodes.common.joints.closed_loop_positions import ClosedLoopPositions
+from robomech_ros.nodes.common.messages.error_codes import code_of
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel import load_parallel
 

@@ -6,7 +6,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.common.robot.robot_description import LATCHED
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.robots import load_description
 

@@ -5,7 +5,7 @@ import inspect
 import pytest
 
 from robomech_ros import errors
-from robomech_ros.nodes.common.error_codes import code_of
+from robomech_ros.nodes.common.messages.error_codes import code_of
 from robomech_ros.outcomes import Code
 
 

@@ -18,10 +18,10 @@ from robomech_interfaces.srv import (
     SolveIK,
 )
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.nodes.common.parameters import ParameterError
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
-from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel, RobotSettings
+from robomech_ros.nodes.common.robot.robot_description import LATCHED, RobotModel, RobotSettings
 from robomech_ros.nodes.dynamics.node import DynamicsNode
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.kinematics.node import KinematicsNode

@@ -8,7 +8,7 @@ import pytest
 
 from robomech_ros.errors import RobotDescriptionError
 from robomech_ros.execution.joints import Joints
-from robomech_ros.nodes.common.joint_limits import read_joint_limits, with_assumed_rates
+from robomech_ros.nodes.common.joints.joint_limits import read_joint_limits, with_assumed_rates
 from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.robots import load_description
 from robomech_ros.trajectory.limits import Limits

@@ -6,8 +6,8 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 from waiting import until
 
-from robomech_ros.nodes.common.error_codes import NoStateError
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.messages.error_codes import NoStateError
 
 NAMES = ("a", "b")
 PATIENCE = 30.0

@@ -18,7 +18,7 @@ from robomech_ros.errors import (
     UnknownJointError,
     WrongSizeError,
 )
-from robomech_ros.nodes.common import joint_messages, message_fields, pose_messages
+from robomech_ros.nodes.common.messages import joint_messages, message_fields, pose_messages
 from robomech_ros.spatial import quaternion_from_matrix
 
 NAMES = ("a", "b", "c")

@@ -12,11 +12,11 @@ from robomech_interfaces.srv import SolveFK
 from robomech_ros.cli.kind_options import OptionRefusedError
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.nodes.commands import bringup
-from robomech_ros.nodes.common.closed_loop_positions import ClosedLoopPositions
-from robomech_ros.nodes.common.error_codes import OutcomeError, code_of
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose
-from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel, RobotSettings
+from robomech_ros.nodes.common.joints.closed_loop_positions import ClosedLoopPositions
+from robomech_ros.nodes.common.messages.error_codes import OutcomeError, code_of
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.robot.robot_description import LATCHED, RobotModel, RobotSettings
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.nodes.servo.node import ServoNode
 from robomech_ros.outcomes import Code

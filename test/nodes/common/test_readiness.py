@@ -7,7 +7,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from robomech_ros.nodes.common import readiness
-from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.common.robot.robot_description import LATCHED
 from robomech_ros.nodes.dynamics.node import DynamicsNode
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode

@@ -6,7 +6,7 @@ from two_armed import SRDF, URDF, joints_of
 
 from robomech_ros.errors import BadValueError, RobotDescriptionError, UnknownLinkError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.robot_description import RobotModel, RobotSettings
+from robomech_ros.nodes.common.robot.robot_description import RobotModel, RobotSettings
 from robomech_ros.robots import load_description, load_srdf
 
 BRANCHED = """

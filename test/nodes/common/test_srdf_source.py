@@ -11,7 +11,7 @@ from two_armed import SRDF, URDF
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import SolveFK
 from robomech_ros.errors import BadValueError, RobotDescriptionError
-from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.common.robot.robot_description import LATCHED
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 
 ROSOUT = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)

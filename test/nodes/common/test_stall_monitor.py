@@ -2,7 +2,7 @@
 
 import pytest
 
-from robomech_ros.nodes.common.stall_monitor import HELD_UP, StallMonitor
+from robomech_ros.nodes.common.joints.stall_monitor import HELD_UP, StallMonitor
 
 
 def test_who_looks_often_was_not_held_up():

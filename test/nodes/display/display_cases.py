@@ -13,7 +13,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
-from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.common.robot.robot_description import LATCHED
 from robomech_ros.spatial import matrix_from_quaternion
 
 TIMEOUT = 30.0

@@ -15,7 +15,7 @@ from robomech_interfaces.srv import (
     SetPayload,
     SummarizeTorques,
 )
-from robomech_ros.nodes.common.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
 from robomech_ros.nodes.dynamics.node import DynamicsNode
 from robomech_ros.parallel import ParallelDynamics, load_parallel
 from robomech_ros.robots import Body

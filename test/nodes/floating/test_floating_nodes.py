@@ -27,9 +27,9 @@ from robomech_interfaces.srv import (
 from robomech_ros.dynamics import FloatingChain
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.floating_base import FloatingRobot, FloatingSettings
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, stamped_pose
+from robomech_ros.nodes.common.robot.floating_base import FloatingRobot, FloatingSettings
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.dynamics.node import DynamicsNode
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.kinematics.node import KinematicsNode

@@ -34,8 +34,12 @@ from robomech_interfaces.srv import (
 from robomech_ros.dynamics import inverse_dynamics
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import jacobian
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, pose_from_matrix, stamped_pose
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.pose_messages import (
+    matrix_from_pose,
+    pose_from_matrix,
+    stamped_pose,
+)
 from robomech_ros.nodes.dynamics.node import DynamicsNode
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.nodes.move_group.node import MoveGroupNode

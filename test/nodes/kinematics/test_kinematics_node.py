@@ -11,8 +11,8 @@ from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import AnalyzeSingularity, GetJacobian, SolveFK, SolveIK, SolveIKBatch
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import characteristic_length, jacobian, singularity_report
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.robots import load_description, load_robot
 

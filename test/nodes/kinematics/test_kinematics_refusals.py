@@ -11,8 +11,8 @@ from sensor_msgs.msg import JointState
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import GetJacobian, SolveFK, SolveIK, SolveIKBatch
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.pose_messages import stamped_pose
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.pose_messages import stamped_pose
 from robomech_ros.nodes.kinematics import chain_manipulator
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.robots import load_robot

@@ -15,9 +15,9 @@ from robomech_interfaces.srv import (
     SolveIK,
     SolveIKBatch,
 )
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
-from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, stamped_pose
+from robomech_ros.nodes.common.robot.robot_description import LATCHED
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.parallel import (
     list_parallel,

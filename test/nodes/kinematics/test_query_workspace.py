@@ -13,9 +13,9 @@ from robomech_interfaces.srv import AnalyzeSingularity, QueryWorkspace, SolveFK
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import jacobian, reach_limits, workspace_boundary
 from robomech_ros.kinetostatics.workspace.boundary import positioning_boundary
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.pose_messages import stamped_pose
-from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.pose_messages import stamped_pose
+from robomech_ros.nodes.common.robot.robot_description import LATCHED
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.robots import load_robot
 

@@ -7,7 +7,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from nav_msgs.msg import Odometry
 
-from robomech_ros.nodes.common.odometry_frame import LEAST, UNMEASURED
+from robomech_ros.nodes.common.robot.odometry_frame import LEAST, UNMEASURED
 from robomech_ros.nodes.mobile_base.node import MobileBaseNode
 from robomech_ros.rolling import OdometryNoise, load_rolling
 from robomech_ros.rolling.simulated import SimulatedBase

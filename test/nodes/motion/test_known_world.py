@@ -11,7 +11,7 @@ from shaped_arm import shaped_ur5e
 from robomech_interfaces.msg import ServoStatus
 from robomech_interfaces.srv import Execute
 from robomech_ros.collision import Box, PlanningScene
-from robomech_ros.nodes.common.joint_messages import joint_trajectory
+from robomech_ros.nodes.common.messages.joint_messages import joint_trajectory
 from robomech_ros.nodes.move_group.node import MoveGroupNode
 from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
 from robomech_ros.outcomes import Code

@@ -18,10 +18,13 @@ from robomech_ros.collision import Box, PlanningScene
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.commands.trajectory_source import waypoints_of
 from robomech_ros.nodes.common.cooperative_wait import Worker
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.message_fields import duration_from_seconds, seconds_from_duration
-from robomech_ros.nodes.common.pose_messages import pose_from_matrix
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.message_fields import (
+    duration_from_seconds,
+    seconds_from_duration,
+)
+from robomech_ros.nodes.common.messages.pose_messages import pose_from_matrix
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.nodes.move_group.node import MoveGroupNode
 from robomech_ros.nodes.move_group.scenes import Scenes

@@ -32,7 +32,7 @@ from trajectories import waypoints as points_of
 
 from robomech_ros.collision import Box, PlanningScene
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.pose_messages import pose_from_matrix, stamped_pose
+from robomech_ros.nodes.common.messages.pose_messages import pose_from_matrix, stamped_pose
 from robomech_ros.robots import load_description
 from robomech_ros.trajectory import verify
 

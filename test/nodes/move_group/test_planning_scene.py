@@ -18,8 +18,8 @@ from sensor_msgs.msg import JointState
 from shape_msgs.msg import Mesh, MeshTriangle, Plane, SolidPrimitive
 
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.robot.robot_description import LATCHED
 
 REMOVE, MOVE, APPEND = CollisionObject.REMOVE, CollisionObject.MOVE, CollisionObject.APPEND
 TIP = forward_kinematics(UR5E, HERE)[:3, 3]

@@ -14,9 +14,9 @@ from moveit_msgs.srv import GetCartesianPath, GetPositionIK
 from std_msgs.msg import String
 from two_armed import SRDF, URDF, joints_of
 
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.pose_messages import stamped_pose
-from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.pose_messages import stamped_pose
+from robomech_ros.nodes.common.robot.robot_description import LATCHED
 from robomech_ros.nodes.move_group.node import MoveGroupNode
 from robomech_ros.robots import load_description, load_srdf
 

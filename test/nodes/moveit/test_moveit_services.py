@@ -29,8 +29,8 @@ from waiting import hide_package
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.nodes.move_group.node import MoveGroupNode
 from robomech_ros.robots import load_description, load_robot
 from robomech_ros.spatial import inverse_pose, matrix_from_axis_angle, quaternion_from_matrix

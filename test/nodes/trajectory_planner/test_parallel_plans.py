@@ -10,9 +10,9 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import PlanCartesian, PlanJoint
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose, stamped_pose
-from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, stamped_pose
+from robomech_ros.nodes.common.robot.robot_description import LATCHED
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.parallel import follow_drives, load_parallel
 from robomech_ros.spatial import matrix_from_rotation_vector, pose_error

@@ -12,8 +12,8 @@ from trajectories import waypoints
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import PlanCartesian
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.pose_messages import stamped_pose
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.pose_messages import stamped_pose
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.robots import load_robot
 from robomech_ros.trajectory import verify

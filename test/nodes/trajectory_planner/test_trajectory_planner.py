@@ -17,9 +17,12 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import PlanJoint
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.message_fields import duration_from_seconds, seconds_from_duration
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.message_fields import (
+    duration_from_seconds,
+    seconds_from_duration,
+)
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.robots import load_description, load_robot
 from robomech_ros.trajectory import point_to_point, verify

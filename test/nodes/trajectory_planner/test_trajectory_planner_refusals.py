@@ -10,7 +10,7 @@ from trajectory_msgs.msg import JointTrajectoryPoint
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_interfaces.srv import PlanJoint
-from robomech_ros.nodes.common.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
 from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.robots import load_robot

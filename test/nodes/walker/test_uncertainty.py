@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from robomech_ros.nodes.common.odometry_frame import LEAST, UNMEASURED
+from robomech_ros.nodes.common.robot.odometry_frame import LEAST, UNMEASURED
 from robomech_ros.nodes.walker.publication import Uncertainty
 from robomech_ros.walking import Walker, load_legged
 

@@ -8,7 +8,7 @@ from raw_client import wait_until
 
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.rvs import view, view_equations
-from robomech_ros.rvs.model.curve_drawing import BOTTOM, LEFT, SIDE, TOP
+from robomech_ros.rvs.model.curves.curve_drawing import BOTTOM, LEFT, SIDE, TOP
 
 pytestmark = IN_CHROMIUM
 PLOT = "document.querySelector('[data-plot]')"

@@ -7,7 +7,7 @@ from controls import button, field, heading, press
 from raw_client import wait_until
 
 from robomech_ros.rvs import view
-from robomech_ros.rvs.model.section_drawing import section_points
+from robomech_ros.rvs.model.workspace.section_drawing import section_points
 
 pytestmark = IN_CHROMIUM
 SECTION = "document.querySelector('[data-section]')"

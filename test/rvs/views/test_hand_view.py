@@ -10,9 +10,9 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.hands import grasp_matrix, load_hand
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.rvs.kind_registry import VIEW_KINDS
+from robomech_ros.rvs.model.bodies.visual_model import load_visual_model
 from robomech_ros.rvs.model.hands.grasp import quality_line, study_grasp
 from robomech_ros.rvs.model.hands.hand_view import SHAPES, HandView, HeldObject, Spot
-from robomech_ros.rvs.model.visual_model import load_visual_model
 from robomech_ros.spatial import pose_exponential
 
 HAND = "three_fingered"

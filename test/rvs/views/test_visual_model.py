@@ -6,9 +6,9 @@ import pytest
 from robomech_ros.kinematics import link_poses
 from robomech_ros.robots import list_robots, load_description
 from robomech_ros.robots.urdf.mesh_files import MeshError, mesh_file
+from robomech_ros.rvs.model.bodies.solids import box, cylinder, sphere
+from robomech_ros.rvs.model.bodies.visual_model import load_visual_model
 from robomech_ros.rvs.model.ghosts import PALETTE, Ghosts
-from robomech_ros.rvs.model.solids import box, cylinder, sphere
-from robomech_ros.rvs.model.visual_model import load_visual_model
 from robomech_ros.spatial import pose_from_position_quaternion
 
 URDF = """<robot name="two">
@@ -125,7 +125,7 @@ def test_a_mesh_that_cannot_be_seen_is_named_and_stood_in_for(tmp_path, mesh, sa
     (sentence,) = seen.missing
     assert sentence.startswith("arm: mesh '") and "a generated body stands for it" in sentence
     with pytest.raises(MeshError, match=said):
-        from robomech_ros.rvs.model.mesh_files import read_mesh
+        from robomech_ros.rvs.model.bodies.mesh_files import read_mesh
 
         read_mesh(mesh_file(mesh, folder), mesh)
     assert [body for body in seen.bodies if body.link == "arm"]

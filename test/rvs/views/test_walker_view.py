@@ -8,7 +8,7 @@ import pytest
 from robomech_ros.errors import BadValueError, RobomechError, RobotDescriptionError
 from robomech_ros.robots import load_description
 from robomech_ros.rvs.kind_registry import VIEW_KINDS
-from robomech_ros.rvs.model.observed_robot import observed_walker
+from robomech_ros.rvs.model.running.observed_robot import observed_walker
 from robomech_ros.rvs.model.walking.placed_tree import BODY_JOINTS, placed_tree, placing
 from robomech_ros.rvs.model.walking.support import Support
 from robomech_ros.rvs.model.walking.walker_view import WalkerView

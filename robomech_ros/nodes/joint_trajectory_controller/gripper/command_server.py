@@ -10,7 +10,7 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.execution.gripper.finger_motion import FingerCommand, FingerEnd, FingerMotion
 from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.nodes.common.cooperative_wait import wake
-from robomech_ros.nodes.common.error_codes import code_of
+from robomech_ros.nodes.common.messages.error_codes import code_of
 from robomech_ros.nodes.joint_trajectory_controller.action_base import ActionBase
 from robomech_ros.nodes.joint_trajectory_controller.gripper.command_messages import GripperMessages
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper

@@ -16,11 +16,11 @@ from robomech_ros.execution.gripper.finger_plant import Contact, FingerPlant
 from robomech_ros.execution.gripper.fingers import Fingers, GripSettings
 from robomech_ros.execution.gripper.received_command import CommandReader
 from robomech_ros.execution.joints import Joints
-from robomech_ros.nodes.common.gripper_names import known_finger_joints, listed_names
-from robomech_ros.nodes.common.message_fields import floats
+from robomech_ros.nodes.common.messages.message_fields import floats
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import ParameterError
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot.gripper_names import known_finger_joints, listed_names
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.settings import ControllerSettings
 from robomech_ros.robots import Joint

@@ -13,14 +13,14 @@ from std_msgs.msg import Float64
 
 from robomech_interfaces.msg import FootContacts
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.status_report import TOPIC
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.rvs.mobile.mobile_robots import MobileRobot
 from robomech_ros.nodes.rvs.poll_thread import DEPTH, PollThread
 from robomech_ros.nodes.rvs.settings import RvsSettings
-from robomech_ros.rvs.model.live_robot import Stance
-from robomech_ros.rvs.model.observed_robot import on_plane
+from robomech_ros.rvs.model.running.live_robot import Stance
+from robomech_ros.rvs.model.running.observed_robot import on_plane
 from robomech_ros.spatial.arrays import as_finite
 from robomech_ros.typing import Array
 

@@ -9,7 +9,11 @@ from typing import TYPE_CHECKING
 from robomech_ros.nodes.mobile_base.drives import INTERFACES
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.rolling import rolling_robot
-from robomech_ros.rvs.model.observed_robot import ObservedRobot, observed_base, observed_walker
+from robomech_ros.rvs.model.running.observed_robot import (
+    ObservedRobot,
+    observed_base,
+    observed_walker,
+)
 
 if TYPE_CHECKING:
     from robomech_ros.walking import LeggedRobot

@@ -10,13 +10,13 @@ from geometry_msgs.msg import Pose, TwistStamped
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from robomech_ros.nodes.common.pose_messages import pose_from_matrix
+from robomech_ros.nodes.common.messages.pose_messages import pose_from_matrix
 from robomech_ros.nodes.rvs.jog_thread import JoggedRobot, JogThread
 from robomech_ros.nodes.rvs.messages import twist_jog
 from robomech_ros.nodes.rvs.mobile.mobile_robot_feed import MobileRobotFeed
 from robomech_ros.nodes.rvs.mobile.mobile_robots import MobileRobot
 from robomech_ros.nodes.rvs.settings import RvsSettings
-from robomech_ros.rvs.model.jog import HoldHeartbeat, JogDirection
+from robomech_ros.rvs.model.running.jog import HoldHeartbeat, JogDirection
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw
 from robomech_ros.spatial.poses import assembled
 

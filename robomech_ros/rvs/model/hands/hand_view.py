@@ -9,14 +9,14 @@ import numpy as np
 from robomech_ros.hands import Contact, Hand, grasp_postures, hand_postures
 from robomech_ros.kinematics import InverseKinematicsResult, forward_kinematics
 from robomech_ros.robots import SerialChain
+from robomech_ros.rvs.model.bodies.solids import Solid, box, cylinder, sphere
+from robomech_ros.rvs.model.bodies.visual_model import VisualModel
 from robomech_ros.rvs.model.draggable import SliderRange
 from robomech_ros.rvs.model.hands.ghosts import HandGhosts
 from robomech_ros.rvs.model.hands.grasp import Grasp
 from robomech_ros.rvs.model.hands.tree import OBJECT, OBJECT_JOINTS, finger_links, hand_tree
 from robomech_ros.rvs.model.kinds.tree_view import TreeView
 from robomech_ros.rvs.model.postures import MOST_POSTURES, PoseStudy, Posture, pose_summary
-from robomech_ros.rvs.model.solids import Solid, box, cylinder, sphere
-from robomech_ros.rvs.model.visual_model import VisualModel
 from robomech_ros.spatial import roll_pitch_yaw_from_matrix
 from robomech_ros.typing import Array
 

@@ -12,6 +12,7 @@ from robomech_ros.kinematics import Status
 from robomech_ros.outcomes import Code
 from robomech_ros.parallel import Mechanism, ParallelRobot
 from robomech_ros.robots.chain_layout import PRISMATIC
+from robomech_ros.rvs.model.bodies.visual_model import VisualModel
 from robomech_ros.rvs.model.draggable import (
     OPEN_TURN,
     ROUNDING,
@@ -22,7 +23,6 @@ from robomech_ros.rvs.model.draggable import (
 from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts
 from robomech_ros.rvs.model.platforms.lists import PlatformList
 from robomech_ros.rvs.model.postures import PoseStudy, pose_summary
-from robomech_ros.rvs.model.visual_model import VisualModel
 from robomech_ros.spatial import as_pose, pose_error
 from robomech_ros.typing import Array
 

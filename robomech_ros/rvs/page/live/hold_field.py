@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.rvs.model.jog import HoldHeartbeat, read_beat
+from robomech_ros.rvs.model.running.jog import HoldHeartbeat, read_beat
 
 # Parts of the greatest jogging speed.
 SLOWEST, AT_FIRST = 0.05, 0.5

@@ -11,7 +11,7 @@ from gripper_cases import panda_with_hand
 from robomech_ros.execution.controller.simulated_joints import Faults
 from robomech_ros.execution.controller.trajectory_goal import End
 from robomech_ros.execution.motion_tolerances import Tolerances
-from robomech_ros.nodes.common.robot_description import RobotModel, RobotSettings
+from robomech_ros.nodes.common.robot.robot_description import RobotModel, RobotSettings
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import gripper_of
 from robomech_ros.nodes.joint_trajectory_controller.parallel_robot import ParallelRobot
 from robomech_ros.nodes.joint_trajectory_controller.robot import legged_robot, serial_robot

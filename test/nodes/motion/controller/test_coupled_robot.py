@@ -19,8 +19,8 @@ from robomech_interfaces.srv import (
 from robomech_ros.dynamics import inverse_dynamics
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import jacobian
-from robomech_ros.nodes.common.joint_messages import joint_state
-from robomech_ros.nodes.common.pose_messages import stamped_pose
+from robomech_ros.nodes.common.messages.joint_messages import joint_state
+from robomech_ros.nodes.common.messages.pose_messages import stamped_pose
 from robomech_ros.nodes.dynamics.node import DynamicsNode
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode

@@ -22,7 +22,7 @@ from robomech_ros.execution.controller.trajectory_goal import End
 from robomech_ros.execution.joints import Joints, at_rest
 from robomech_ros.execution.motion_tolerances import Tolerances
 from robomech_ros.nodes.common.parameters import table_rows
-from robomech_ros.nodes.common.robot_description import LATCHED
+from robomech_ros.nodes.common.robot.robot_description import LATCHED
 from robomech_ros.nodes.joint_trajectory_controller.dynamic_plant import (
     DynamicPlant,
     MotionRanAwayError,

@@ -14,8 +14,8 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.common.execute_goals import AskedTolerances
-from robomech_ros.nodes.common.follow_goals import FollowGoals
+from robomech_ros.nodes.common.messages.execute_goals import AskedTolerances
+from robomech_ros.nodes.common.messages.follow_goals import FollowGoals
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
 

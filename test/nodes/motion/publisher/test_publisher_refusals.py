@@ -14,7 +14,11 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.msg import ErrorCode
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.common.rejection_status import Refusal, refusal_values, trajectory_label
+from robomech_ros.nodes.common.messages.rejection_status import (
+    Refusal,
+    refusal_values,
+    trajectory_label,
+)
 from robomech_ros.nodes.trajectory_publisher.controller_refusals import ControllerRefusals
 from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
 

@@ -5,7 +5,7 @@ import pytest
 from geometry_msgs.msg import PoseStamped
 
 from robomech_interfaces.msg import ServoStatus
-from robomech_ros.nodes.common.pose_messages import pose_from_matrix
+from robomech_ros.nodes.common.messages.pose_messages import pose_from_matrix
 from robomech_ros.nodes.servo.status import status_topic
 
 

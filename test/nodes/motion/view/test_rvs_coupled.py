@@ -15,7 +15,7 @@ from robomech_ros.nodes.rvs.node import RvsNode
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
 from robomech_ros.robots import load_description
-from robomech_ros.rvs.model.visual_model import load_visual_model
+from robomech_ros.rvs.model.bodies.visual_model import load_visual_model
 from test.coupled_robots import palletizer_with_bodies
 
 START, REAR = [0.2, 0.4, 0.5, 0.3], 1

@@ -22,7 +22,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from robomech_interfaces.srv import AnalyzeSingularity, Execute
 from robomech_ros.errors import BadValueError
-from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel
+from robomech_ros.nodes.common.robot.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.nodes.rvs.messages import read_marker
 from robomech_ros.nodes.rvs.node import RvsNode

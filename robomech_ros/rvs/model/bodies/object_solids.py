@@ -9,7 +9,7 @@ import numpy as np
 
 from robomech_ros.collision import Box, Capsule, Cone, Cylinder, Mesh, Plane, SceneObject, Sphere
 from robomech_ros.collision.shapes import Body, Shape
-from robomech_ros.rvs.model.solids import Solid, box, capsule, cone, cylinder, sphere
+from robomech_ros.rvs.model.bodies.solids import Solid, box, capsule, cone, cylinder, sphere
 from robomech_ros.typing import Array
 
 # Thickness of the slab for a plane, and its depth below the plane, in parts of its side: the slab

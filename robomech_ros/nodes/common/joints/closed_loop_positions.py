@@ -7,8 +7,8 @@ from sensor_msgs.msg import JointState
 
 from robomech_ros.errors import LimitExceededError, WrongSizeError
 from robomech_ros.errors.formatting import listed
-from robomech_ros.nodes.common.error_codes import OutcomeError
-from robomech_ros.nodes.common.joint_messages import positions_by_name
+from robomech_ros.nodes.common.messages.error_codes import OutcomeError
+from robomech_ros.nodes.common.messages.joint_messages import positions_by_name
 from robomech_ros.outcomes import Code
 from robomech_ros.robots.semantic import HOME
 from robomech_ros.typing import Array

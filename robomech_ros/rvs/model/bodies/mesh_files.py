@@ -8,7 +8,7 @@ import numpy as np
 
 from robomech_ros.regular_files import read_regular
 from robomech_ros.robots.urdf.mesh_files import MeshError
-from robomech_ros.rvs.model.solids import Solid
+from robomech_ros.rvs.model.bodies.solids import Solid
 
 # Bytes of a file, and triangles in it: more than any maker's arm has, less than a browser bears.
 LARGEST_MESH = 64 * 1024 * 1024

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from robomech_ros.execution.joints import TIME_TO_ACCELERATION, TIME_TO_SPEED
-from robomech_ros.nodes.common.joint_positions import StateSettings
+from robomech_ros.nodes.common.joints.joint_positions import StateSettings
 from robomech_ros.nodes.common.parameters import changeable, parameter
 
 # Between samples nearer than this (s) the jerk drowns in the rounding of the positions.

@@ -7,7 +7,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robomech_interfaces.action import ExecuteTrajectory
 from robomech_ros.execution.motion_result import MotionResult
-from robomech_ros.nodes.common.message_fields import duration_from_seconds
+from robomech_ros.nodes.common.messages.message_fields import duration_from_seconds
 
 
 @dataclass(frozen=True)

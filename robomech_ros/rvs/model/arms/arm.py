@@ -10,10 +10,10 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import SelfMotionCurve, self_motion_curve
 from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.robots import PRISMATIC, SerialChain
+from robomech_ros.rvs.model.bodies.visual_model import VisualModel
 from robomech_ros.rvs.model.draggable import OPEN_TURN, ROUNDING, DraggableRobot, slider_range
 from robomech_ros.rvs.model.ghosts import Ghosts
 from robomech_ros.rvs.model.postures import study_pose
-from robomech_ros.rvs.model.visual_model import VisualModel
 from robomech_ros.spatial import as_pose
 from robomech_ros.typing import Array
 

@@ -9,7 +9,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.parallel import Mechanism, plan_drives, plan_platform
 from robomech_ros.robots import SerialChain
-from robomech_ros.rvs.model.drive_motions import followed_motion
+from robomech_ros.rvs.model.motions.drive_motions import followed_motion
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory import PROFILES, nearest_turns, point_to_point

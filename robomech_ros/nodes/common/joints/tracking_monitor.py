@@ -3,8 +3,8 @@
 from collections import deque
 from typing import NamedTuple
 
-from robomech_ros.nodes.common.error_codes import NoStateError
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.messages.error_codes import NoStateError
 from robomech_ros.servo.tracking import TrackedJoints, Tracking
 from robomech_ros.typing import Array
 

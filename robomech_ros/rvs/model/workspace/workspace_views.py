@@ -9,9 +9,9 @@ from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinetostatics import Workspace, workspace_boundary
 from robomech_ros.kinetostatics.workspace.positioning_part import positioning_part
 from robomech_ros.robots import SerialChain
-from robomech_ros.rvs.model.curve_drawing import thinned
-from robomech_ros.rvs.model.curve_problems import Axis
-from robomech_ros.rvs.model.solids import Solid
+from robomech_ros.rvs.model.bodies.solids import Solid
+from robomech_ros.rvs.model.curves.curve_drawing import thinned
+from robomech_ros.rvs.model.curves.curve_problems import Axis
 from robomech_ros.typing import Array, BoolArray, IntArray
 
 # Squares along the longer side of the section, in each of which postures are counted once.

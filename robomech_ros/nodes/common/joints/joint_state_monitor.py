@@ -15,7 +15,7 @@ from sensor_msgs.msg import JointState
 
 from robomech_ros.errors import format_value
 from robomech_ros.nodes.common.cooperative_wait import pause
-from robomech_ros.nodes.common.error_codes import NoStateError, RobotMovesError
+from robomech_ros.nodes.common.messages.error_codes import NoStateError, RobotMovesError
 from robomech_ros.nodes.middleware.polled_subscription import Inbox, UnreadableMessageError, unpack
 from robomech_ros.typing import Array
 

@@ -8,11 +8,11 @@ import numpy as np
 from sensor_msgs.msg import JointState
 
 from robomech_ros.errors import WrongSizeError
-from robomech_ros.nodes.common.closed_loop_positions import ClosedLoopPositions
-from robomech_ros.nodes.common.joint_messages import positions_by_name
-from robomech_ros.nodes.common.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.joints.closed_loop_positions import ClosedLoopPositions
+from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
+from robomech_ros.nodes.common.messages.joint_messages import positions_by_name
 from robomech_ros.nodes.common.parameters import changeable
-from robomech_ros.nodes.common.robot_description import FrameSettings, RobotModel
+from robomech_ros.nodes.common.robot.robot_description import FrameSettings, RobotModel
 from robomech_ros.robots import SerialChain
 from robomech_ros.typing import Array
 

@@ -7,7 +7,7 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.common.robot_description import LATCHED, RobotModel, RobotSettings
+from robomech_ros.nodes.common.robot.robot_description import LATCHED, RobotModel, RobotSettings
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.robots import RobotDescription, SemanticDescription, load_semantics
 from robomech_ros.robots.documents.guarded_xml import is_xml

@@ -11,7 +11,7 @@ from robomech_ros.kinematics.posture_samples import reach_bound
 from robomech_ros.kinetostatics import ReachMap, reach_map
 from robomech_ros.kinetostatics.maps.engines import as_workers
 from robomech_ros.robots import SerialChain
-from robomech_ros.rvs.model.workspace_views import is_in_opening
+from robomech_ros.rvs.model.workspace.workspace_views import is_in_opening
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.typing import Array
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robomech_ros.rvs.model.curve_problems import Axis
+from robomech_ros.rvs.model.curves.curve_problems import Axis
 from robomech_ros.typing import Array
 
 # Of the first and the second curve, and of the steps; told apart on light and dark ground.

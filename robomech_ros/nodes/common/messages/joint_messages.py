@@ -13,7 +13,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robomech_ros.errors import NonFiniteError, UnknownJointError, WrongSizeError, format_value
 from robomech_ros.execution.received_trajectory import ReceivedTrajectory
-from robomech_ros.nodes.common.message_fields import NANO, floats
+from robomech_ros.nodes.common.messages.message_fields import NANO, floats
 from robomech_ros.servo.motion import Samples
 from robomech_ros.typing import Array
 

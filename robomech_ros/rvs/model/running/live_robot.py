@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 from robomech_ros.robots.gripper import GripperModel
-from robomech_ros.rvs.model.jog import HoldHeartbeat
+from robomech_ros.rvs.model.running.jog import HoldHeartbeat
 from robomech_ros.typing import Array
 
 if TYPE_CHECKING:

@@ -16,8 +16,8 @@ from robomech_ros.robots.urdf.document import description_from_urdf
 from robomech_ros.robots.urdf.mesh_files import MeshError, mesh_file
 from robomech_ros.robots.urdf.shapes import COLOURS, Shape, generated_shapes
 from robomech_ros.robots.urdf.visuals import Visual, read_visuals
-from robomech_ros.rvs.model.mesh_files import read_mesh
-from robomech_ros.rvs.model.solids import Solid, box, cylinder, sphere
+from robomech_ros.rvs.model.bodies.mesh_files import read_mesh
+from robomech_ros.rvs.model.bodies.solids import Solid, box, cylinder, sphere
 from robomech_ros.typing import Array
 
 Colour = tuple[float, float, float, float]

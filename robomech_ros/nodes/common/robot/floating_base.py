@@ -6,9 +6,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.nodes.common.error_codes import OutcomeError
+from robomech_ros.nodes.common.messages.error_codes import OutcomeError
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
-from robomech_ros.nodes.common.robot_description import RobotModel, RobotSettings
+from robomech_ros.nodes.common.robot.robot_description import RobotModel, RobotSettings
 from robomech_ros.outcomes import Code
 from robomech_ros.robots import Body, SerialChain
 from robomech_ros.robots.bodies import combine_bodies

@@ -8,8 +8,8 @@ from control_msgs.msg import JointTolerance
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.execution.motion_result import MotionResult
-from robomech_ros.nodes.common.execute_goals import AskedTolerances
-from robomech_ros.nodes.common.message_fields import duration_from_seconds
+from robomech_ros.nodes.common.messages.execute_goals import AskedTolerances
+from robomech_ros.nodes.common.messages.message_fields import duration_from_seconds
 from robomech_ros.outcomes import Code
 
 _RESULT = FollowJointTrajectory.Result

@@ -23,8 +23,8 @@ from rclpy.node import Node
 
 from robomech_ros.errors import MissingLimitsError, RobomechError, RobotDescriptionError
 from robomech_ros.execution.joints import TIME_TO_ACCELERATION, TIME_TO_SPEED
+from robomech_ros.nodes.common.joints.plan_settings import PlanSettings
 from robomech_ros.nodes.common.parameters import ParameterError
-from robomech_ros.nodes.common.plan_settings import PlanSettings
 from robomech_ros.regular_files import read_regular
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.documents.guarded_yaml import (

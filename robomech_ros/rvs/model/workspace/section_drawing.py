@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from robomech_ros.rvs.model.curve_drawing import (
+from robomech_ros.rvs.model.curves.curve_drawing import (
     SIDE,
     curve_line,
     draw_plane,
@@ -10,7 +10,7 @@ from robomech_ros.rvs.model.curve_drawing import (
     place_script,
     placed_points,
 )
-from robomech_ros.rvs.model.workspace_views import SectionView
+from robomech_ros.rvs.model.workspace.workspace_views import SectionView
 from robomech_ros.typing import Array
 
 # Of one posture, two, three, four, and more; told apart on light and dark ground.

@@ -9,8 +9,13 @@ from std_msgs.msg import String
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.nodes.common.readiness import Readiness
-from robomech_ros.nodes.common.robot_description import LATCHED, TOPIC, RobotModel, RobotSettings
-from robomech_ros.nodes.common.srdf_source import SEMANTIC_TOPIC, SemanticSource
+from robomech_ros.nodes.common.robot.robot_description import (
+    LATCHED,
+    TOPIC,
+    RobotModel,
+    RobotSettings,
+)
+from robomech_ros.nodes.common.robot.srdf_source import SEMANTIC_TOPIC, SemanticSource
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.parallel.tree_description import load_tree_description
 from robomech_ros.robots import RobotDescription

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from robomech_ros.errors import RobomechError, UnknownJointError
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
-from robomech_ros.nodes.common.robot_description import RobotModel, RobotSettings
+from robomech_ros.nodes.common.robot.robot_description import RobotModel, RobotSettings
 from robomech_ros.robots import Joint
 from robomech_ros.robots.fingers import finger_joints
 from robomech_ros.robots.gripper import GripperModel, gripper_model

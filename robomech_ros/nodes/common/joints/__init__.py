@@ -1,0 +1,1 @@
+"""Joints that are heard of: positions, limits, and whether they follow."""

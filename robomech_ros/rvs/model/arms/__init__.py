@@ -1,0 +1,1 @@
+"""The arm that is moved, its posture and its Denavit-Hartenberg table."""

@@ -1,0 +1,1 @@
+"""Two curves in a plane, whose crossings are found."""

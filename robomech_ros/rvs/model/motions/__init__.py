@@ -1,0 +1,1 @@
+"""Plans, recordings and curves of motions."""

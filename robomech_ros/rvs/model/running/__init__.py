@@ -1,0 +1,1 @@
+"""Robots that run: what they report, and what is asked of them."""

@@ -1,0 +1,1 @@
+"""Boundary and maps of what an arm reaches."""
