@@ -30,7 +30,7 @@ class Finding(NamedTuple):
     what: str
     #: Whether it is as needed; None where it is optional and not there.
     ok: bool | None
-    #: What was found.
+    #: Finding, for people.
     found: str
     #: Command or advice; empty if nothing needs mending.
     mend: str = ""

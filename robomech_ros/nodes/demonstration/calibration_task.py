@@ -58,7 +58,7 @@ class Progress:
     """Calibration result after a number of samples."""
 
     count: int
-    #: Of the camera's pose against the truth, as pose_error has it (rad, m), shape (6,).
+    #: Error of the camera's pose against the truth, as pose_error has it (rad, m), shape (6,).
     error: Array
     #: As stated, rotation first, shape (6, 6).
     covariance: Array

@@ -43,7 +43,7 @@ class States(NamedTuple):
     t: Array
     #: Base in the inertial frame (m), shape (m, 4, 4).
     poses: Array
-    #: Of the base, in its axes, shape (m, 6).
+    #: Twists of the base, in its axes, shape (m, 6).
     twists: Array
     q: Array
     qd: Array

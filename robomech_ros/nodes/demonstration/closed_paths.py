@@ -28,7 +28,7 @@ class ClosedPath:
     places: Array
     #: Directions of the path (rad), continuous, shape (m,).
     tangents: Array
-    #: Of the base (rad), continuous, shape (m,).
+    #: Headings of the base (rad), continuous, shape (m,).
     headings: Array
 
     @property

@@ -15,7 +15,7 @@ class Which:
     robot: str
     #: Path of an SRDF.
     srdf: str = ""
-    #: Of the SRDF.
+    #: Group of the SRDF.
     group: str = ""
 
 

@@ -32,7 +32,7 @@ def _joints(q: Array) -> str:
 class TipPath(NamedTuple):
     """A path of the tip."""
 
-    #: Of what is done.
+    #: Name of the motion.
     name: str
     #: A kind of PlanCartesian, such as ``"STRAIGHT"``.
     path: str

@@ -61,11 +61,11 @@ class PoseStudy:
     status: Status
     #: Why there is none, or what else is to be said, in a sentence; may be empty.
     reason: str
-    #: Where there is none, shape (n,): the posture inside the limits that misses the pose least.
+    #: The posture inside the limits that misses the pose least, shape (n,), if none takes it.
     nearest: Array | None = None
     position_error: float = 0.0
     orientation_error: float = 0.0
-    #: What the robot itself says of the pose, instead of how many postures there are.
+    #: Sentence of the robot itself about the pose, instead of the number of postures.
     text: str | None = None
 
     @property

@@ -25,7 +25,7 @@ class ViewState(NamedTuple):
     q: Array
     eye: Array
     at: Array
-    #: What is switched on.
+    #: Switches by name, and whether they are on.
     shown: Mapping[str, bool]
 
 

@@ -22,7 +22,7 @@ CROSS = "\N{MULTIPLICATION SIGN}"
 class Ghost(NamedTuple):
     """One ghost."""
 
-    #: Of the posture, from 0; written beside the ghost from 1.
+    #: Number of the posture, from 0; written beside the ghost from 1.
     number: int
     #: rad or m, shape (n,).
     q: Array

@@ -95,9 +95,9 @@ class LayerContext:
     run: Callable[[Hashable, Callable[[], None]], None]
     switched: Callable[[], dict[str, bool]]
     switch: Callable[[str, bool], None]
-    #: Where layers put what of theirs can be shown, by its name on the page, as a Switch each.
+    #: Switches that layers offer, by their names on the page.
     offered: dict[str, Switch]
-    #: What layers leave here, by their names, those of the next robot find.
+    #: Values that layers leave for those of the next robot, by their names.
     kept: dict[str, Any]
     #: Shows ghosts and gizmo, where they are to be shown, or hides them for a while; in requests
     #: alone.
@@ -111,8 +111,7 @@ class LayerContext:
     path: Callable[[str], str]
     #: In which angles are written.
     units: Units
-    #: Where layers put callables that give points (k, 3) (m) in the root, which are to be in the
-    #: picture.
+    #: Callables of layers that give points (k, 3) (m) in the root, which are to be in the picture.
     extents: dict[str, Callable[[], Array]] = field(default_factory=dict)
     #: Callables of layers that receive the joint positions of a running robot by name (rad or m),
     #: on any thread.

@@ -43,7 +43,7 @@ class ArmFacts:
 
     #: The characteristic length (m), or the size of an arm that has none.
     length: float
-    #: Of any posture, limits left aside; infinite where every posture is singular.
+    #: Least condition of any posture, limits left aside; infinite where every posture is singular.
     least_condition: float
     #: The best one inside the limits; None where every posture is singular.
     best: BestPosture | None
@@ -56,8 +56,8 @@ class PostureFacts:
     """Facts about a posture that need no search."""
 
     report: SingularityReport
-    #: What the tip cannot do where the posture is singular; else the one twist that it does with
-    #: the greatest effort, shape (r, 6).  Angular first, in the base (rad/s and m/s).
+    #: Twists that the tip cannot do in a singular posture, shape (r, 6); else the one that takes
+    #: the greatest effort.  Angular first, in the base (rad/s and m/s).
     twists: Array
 
 
@@ -65,10 +65,10 @@ class PostureFacts:
 class NextSingularity:
     """The singular posture that is nearest."""
 
-    #: Of the joint values, slides over the characteristic length (rad); infinite where none is
-    #: found.
+    #: Distance of the joint values (rad), slides over the characteristic length; infinite if
+    #: none is found.
     distance: float
-    #: What is singular there.
+    #: Kinds of the singularity.
     kinds: tuple[str, ...]
 
 

@@ -32,7 +32,7 @@ class Mark(NamedTuple):
     point: Array
     #: In a root's disc.
     text: str = ""
-    #: Of a root's disc.
+    #: Colour of a root's disc.
     colour: str = ROOT
 
 

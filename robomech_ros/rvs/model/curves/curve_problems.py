@@ -43,7 +43,7 @@ class Finding:
     is_root: bool
     #: The greatest of the other equations, as part of its size.
     left_over: float
-    #: Between the curves (rad).
+    #: Angle between the curves (rad).
     angle: float
     #: Condition number of the root.
     condition: float | None = None

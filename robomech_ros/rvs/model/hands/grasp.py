@@ -37,7 +37,7 @@ class Grasp:
     contacts: tuple[Contact, ...]
     #: The number of the finger of each contact.
     fingers: tuple[int, ...]
-    #: Of the object, in the palm (m), shape (3,).
+    #: Centre of the object, in the palm (m), shape (3,).
     centre: Array
     #: Moment about the centre (N m), then force (N), in the axes of the palm, shape (6,).
     load: Array
@@ -47,11 +47,12 @@ class Grasp:
 class GraspStudy:
     """Result of a grasp study."""
 
-    #: Of each finger on the object, in the palm (N), shape (k, 3); none where the load is not held.
+    #: Force of each finger on the object, in the palm (N), shape (k, 3); none if the load is not
+    #: held.
     forces: Array
     #: The wrench that would be needed and that no contact exerts, moment first, shape (6,).
     separating: Array | None
-    #: What is known, for people.
+    #: Results, for people.
     lines: tuple[Line, ...]
 
 

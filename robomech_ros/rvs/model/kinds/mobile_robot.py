@@ -59,7 +59,7 @@ class MobileRobotView(TreeView):
     - ``command``: the twist [w, vx, vy] that it is to have (rad/s, m/s), shape (3,).
     """
 
-    #: What it does: drive, or walk.
+    #: Drive, or walk.
     verb: ClassVar[str]
     #: s.
     period: float

@@ -24,7 +24,7 @@ class Quantity(NamedTuple):
 
     name: str
     unit: str
-    #: Of the k joints.
+    #: Numbers of the k joints.
     joints: tuple[int, ...]
     #: In this unit, shape (m, k).
     values: Array

@@ -26,7 +26,7 @@ ANGULAR = 3
 class PlatformList:
     """Postures to be listed, and seen as ghosts."""
 
-    #: Of all joints; the present one is among them.
+    #: Postures of all joints; the present one is among them.
     postures: tuple[Posture, ...]
     #: Whether these are provably all.
     complete: bool

@@ -34,10 +34,10 @@ class PlatformReach:
     - ``least``, ``greatest``: how far the platform gets (m, or rad).
     """
 
-    #: Of each cause, triangles in the space, or lines in the plane, in the base (m), shape (k, 3,
-    #: 3) or (k, 2, 3).
+    #: Triangles in space, shape (k, 3, 3), or lines in the plane, shape (k, 2, 3), by their cause,
+    #: in the base (m).
     parts: dict[str, Array]
-    #: Of each cause, 0 to 255.
+    #: Colour of each cause, 0 to 255.
     colours: dict[str, Rgb]
     #: Part of the directions that each cause ends, from 0 to 1, the largest first.
     shares: dict[str, float]

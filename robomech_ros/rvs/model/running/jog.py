@@ -39,7 +39,7 @@ class JogDirection:
 
     #: A joint, or the tip along or about an axis, one of "joint", "linear", "angular".
     kind: str
-    #: Of the joint, or of the axis, from 0.
+    #: Index of the joint, or of the axis, from 0.
     index: int
     #: 1 or -1.
     sign: int

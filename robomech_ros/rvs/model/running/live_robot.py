@@ -33,7 +33,7 @@ class ViewMarker:
     points: Array
     #: Red, green, blue and alpha from 0 to 1.
     colour: tuple[float, float, float, float]
-    #: What is written.
+    #: Text of the label.
     text: str = ""
 
 
@@ -41,7 +41,7 @@ class ViewMarker:
 class ServoNews:
     """Latest state of the servo."""
 
-    #: What limits the motion; empty if nothing does.
+    #: Limit of the motion, for people; empty if there is none.
     text: str
     #: At which part of the commanded speed the robot moves.
     scale: float

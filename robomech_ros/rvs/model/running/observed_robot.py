@@ -27,7 +27,7 @@ class JogDirection(NamedTuple):
     name: str
     #: One of "linear", "angular".
     kind: str
-    #: Of its twist.
+    #: Axis of the twist.
     axis: int
 
 

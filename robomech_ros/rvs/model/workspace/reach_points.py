@@ -35,13 +35,13 @@ class ReachPoints:
 
     #: In the base (m), shape (k, 3).
     points: Array
-    #: What is measured there, shape (k,).
+    #: Measured values, shape (k,).
     values: Array
     low: float
     high: float
     #: Empty for numbers of postures.
     unit: str
-    #: Between neighbours (m).
+    #: Distance between neighbours (m).
     spacing: float
 
     @property

@@ -37,9 +37,9 @@ class SectionView:
     space: Workspace
     #: The point that is placed, in the frame of the tip (m), shape (3,).
     in_tip: Array
-    #: What is drawn (m), at most as wide as it is high.
+    #: Axes of the drawing (m), which is at most as wide as it is high.
     axes: tuple[Axis, Axis]
-    #: Of the squares, along both axes (m).
+    #: Edges of the squares, along both axes (m).
     edges: tuple[Array, Array]
     #: Postures of the first joints in the middle of each square, the first of three being free,
     #: shape (columns, rows).
