@@ -36,7 +36,6 @@ def demonstrate_calibration(
 ) -> None:
     """Find a simulated camera with a simulated robot, and tell how near the truth that is.
 
-    - ``robot``: name or path.
     - ``calibration_type``: ``"eye_in_hand"`` or ``"eye_on_base"``.
     - ``noise``: deviation of each coordinate of the camera's rotations (rad) and positions (m).
     - ``output``: folder for the picture and the files of the calibration.

@@ -78,7 +78,6 @@ class Progress:
 class CalibrationTask:
     """Moves the arm to where samples tell most, and has the camera found.
 
-    - ``client``: connected to the running suite.
     - ``scene``: the truth, to compare with.
 
     - ``answer``: the last.

@@ -26,11 +26,7 @@ _SERVICES = {
 
 
 def demonstrate_capture(which: Which, output: Path) -> None:
-    """Capture a free body with an arm on a floating base, and prove it.
-
-    - ``which``: the robot, and what of it moves.
-    - ``output``: folder for the plot and the page.
-    """
+    """Capture a free body with an arm on a floating base, and prove it."""
     reporter = Reporter()
     chain, description = chain_with_limits(which, reporter.say), load_description(which.robot)
     base = description.floating_base

@@ -52,7 +52,6 @@ class States(NamedTuple):
 class CaptureTask:
     """Captures a drifting body.
 
-    - ``client``: of the running suite.
     - ``robot``: chain of n joints.
 
     - ``captured``: in its own frame, whose axes are those of the tip at the contact.

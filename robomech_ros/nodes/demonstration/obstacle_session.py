@@ -20,7 +20,6 @@ _NODES = ("joint_trajectory_controller", "trajectory_planner", "move_group")
 def demonstrate_obstacles(which: Which, output: Path) -> None:
     """Carry a part around a wall, and prove that nothing touched anything.
 
-    - ``which``: the robot, and what of it moves.
     - ``output``: folder for the plot, and for the URDF of a robot without collision geometry.
     """
     reporter = Reporter()

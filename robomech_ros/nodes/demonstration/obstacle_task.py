@@ -56,7 +56,6 @@ class Leg(NamedTuple):
 class CarryAround:
     """Adds the objects, plans, executes, and checks the published joint states.
 
-    - ``client``: connected to the running nodes.
     - ``scene``: scene of the robot alone, which gets the same objects as the node's scene.
     """
 

@@ -61,8 +61,6 @@ def change_parameters(client: DemoClient, values: Mapping[str, float | Sequence[
 class DemoArm:
     """An arm; `DemoPlatform` has the same methods.
 
-    - ``chain``: of n joints.
-
     - ``title``: one-line description of the robot.
     - ``shown``: numbers of the joints that are printed and plotted.
     """
@@ -97,7 +95,6 @@ DemoRobot: TypeAlias = "DemoArm | DemoPlatform"
 class PickAndPlace:
     """Solves, plans, executes and checks both motions through the services of the suite.
 
-    - ``client``: connected to the running suite.
     - ``reporter``: where to tell what happens.
     - ``payload``: the mass (kg) that a robot moved by drives carries from pick to place; None = it
       goes exactly where it is told.

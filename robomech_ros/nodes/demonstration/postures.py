@@ -26,8 +26,6 @@ class NoPostureError(RobomechError):
 def pick_and_place(chain: SerialChain) -> tuple[Array, Array]:
     """Choose joint positions for picking and placing; the same ones every time.
 
-    - ``chain``: of n joints.
-
     Returns two arrays (n,): far from the limits (rad or m), far from
     singularities, and above the base where the robot can be.
 

@@ -17,11 +17,7 @@ from robomech_ros.rolling.tree import BASE_JOINTS
 
 
 def demonstrate(robot: str, output: Path) -> None:
-    """Drive closed paths with a rolling robot, and tell about it.
-
-    - ``robot``: name or path.
-    - ``output``: folder for the plot and the page.
-    """
+    """Drive closed paths with a rolling robot, and tell about it."""
     reporter, rolling = Reporter(), rolling_robot(robot)
     base = rolling.base
     reporter.heading(

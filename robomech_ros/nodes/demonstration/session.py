@@ -38,8 +38,6 @@ _SERVICES = {
 def demonstrate(which: Which, output: Path, payload: float | None = None) -> None:
     """Pick and place with a robot, and tell about it.
 
-    - ``which``: the robot, and what of it moves.
-    - ``output``: folder for the plot and the page.
     - ``payload``: drives move the robot, and it carries this mass (kg) from pick to place; default
       none does.
     """

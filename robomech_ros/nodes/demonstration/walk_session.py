@@ -32,11 +32,7 @@ _SLIPPED, _FOOT, _NEIGHBOURS = 0.002, 1e-4, 0.045
 
 
 def demonstrate(robot: str, output: Path) -> None:
-    """Walk an eight with a walking machine, and tell about it.
-
-    - ``robot``: name or path.
-    - ``output``: folder for the plot and the page.
-    """
+    """Walk an eight with a walking machine, and tell about it."""
     reporter, legged = Reporter(), load_legged(robot)
     walker = quickest(legged)
     path, radius, speed = eight_for(walker)

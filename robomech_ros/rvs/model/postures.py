@@ -104,8 +104,6 @@ def pose_summary(
 def study_pose(chain: SerialChain, T: Array, present: Array) -> PoseStudy:
     """Find every posture of an arm at a pose, or why there is none and what is nearest.
 
-    - ``chain``: of n joints.
-    - ``T``: ``T_base_tip`` (m), shape (4, 4).
     - ``present``: where the arm is (rad or m), inside its limits, shape (n,).
     """
     result = inverse_kinematics(chain, T, seed=present)

@@ -91,8 +91,6 @@ class WorldView:
 
         Pairs of links are left out, since some links of an arm are always near each other.  If
         anything touches, it is the deepest pair of all.
-
-        - ``q``: rad or m, shape (n,).
         """
         key = q.tobytes()
         if key not in self._known:

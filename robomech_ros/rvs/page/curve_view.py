@@ -50,7 +50,6 @@ class Owner(Protocol):
 class CurveView:
     """The curves of two equations in one browser.
 
-    - ``gui``: where its controls go, viser.GuiApi.
     - ``names``: of the equations; the curves of two are drawn.
     - ``pair``: those that are drawn at first.
     """

@@ -12,8 +12,6 @@ from robomech_ros.rvs.page.units import AngleSlider, Units, UnitText
 class Folder:
     """A folder, and what is in it, of which each control has something done.
 
-    - ``gui``: of one browser, viser.GuiApi.
-    - ``units``: of the page.
     - ``order``: among the folders of the page.
     - ``expanded``: whether it is open at first.
     - ``ask``: has the change of a control, known by its label, made elsewhere; by default it is

@@ -40,7 +40,6 @@ class Ghost(NamedTuple):
 class GhostBatch:
     """Ghosts of one look.
 
-    - ``scene``: viser.SceneApi.
     - ``name``: of their node, at the base of the arm.
     - ``opacity``: from 0 to 1.
     """

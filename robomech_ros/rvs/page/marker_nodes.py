@@ -14,7 +14,6 @@ from robomech_ros.rvs.page.node_space import placed
 class MarkerNodes:
     """The markers of several sources.
 
-    - ``scene``: viser.SceneApi.
     - ``path_of``: gives the name of the node of a link.
     """
 

@@ -14,8 +14,6 @@ def add_mesh(
 ) -> Any:
     """Add a solid of one colour (0 to 255) to a scene; gives the node.
 
-    - ``scene``: viser.SceneApi.
-    - ``name``: of the node.
     - ``colour``: red, green and blue.
     - ``alpha``: from 0 to 1.
     - ``**options``: of ``add_mesh_simple``.

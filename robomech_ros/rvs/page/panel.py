@@ -31,9 +31,7 @@ AT_FIRST = {
 class Panel:
     """The controls of one browser.
 
-    - ``client``: the browser, viser.ClientHandle.
     - ``base``: node at the base of the arm.
-    - ``reach``: of the robot (m).
     - ``switches``: what is shown, as :data:`AT_FIRST`, and whether the page is dark.
     """
 

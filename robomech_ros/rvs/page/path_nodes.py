@@ -14,10 +14,7 @@ WIDTH = 0.02
 
 
 class PathNode:
-    """A line through points, drawn as soon as there are two.
-
-    - ``name``: of the node.
-    """
+    """A line through points, drawn as soon as there are two."""
 
     def __init__(self, space: NodeSpace, name: str, colour: Rgb) -> None:
         self._scene, self._width = space.scene, WIDTH * space.reach

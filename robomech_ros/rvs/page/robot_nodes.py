@@ -27,7 +27,6 @@ MARKED = (220, 40, 40)
 class RobotNodes:
     """The nodes of a robot.
 
-    - ``scene``: viser.SceneApi.
     - ``root``: name of the node above all links.
     - ``tint``: one colour for all bodies, from 0 to 1 with alpha; default their own.
     """

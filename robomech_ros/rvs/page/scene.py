@@ -23,7 +23,6 @@ GOAL_ROOT, GOAL_TINT = "/goal", (1.0, 0.55, 0.1, 0.4)
 class PageScene:
     """The scene and the shared part of the panel.
 
-    - ``server``: viser.ViserServer.
     - ``moved``: the arm of it that is moved, or its platform.
     """
 

@@ -16,9 +16,6 @@ MOST_SQUARES = 12
 def add_surroundings(server: Any, reach: float) -> Any:
     """Add ground and lights to a scene.
 
-    - ``server``: viser.ViserServer.
-    - ``reach``: of the robot (m).
-
     Returns the ground (viser.GridHandle).
     """
     scene = server.scene
@@ -60,10 +57,7 @@ def fit_camera(client: Any, points: Array) -> None:
 
 
 def set_theme(gui: Any, dark: bool) -> None:
-    """Draw pages dark or light, without anything that leads elsewhere.
-
-    - ``gui``: of all browsers, or of one, viser.GuiApi.
-    """
+    """Draw pages dark or light, without anything that leads elsewhere."""
     gui.configure_theme(
         control_width="large", dark_mode=dark, show_logo=False, show_share_button=False
     )

@@ -81,11 +81,7 @@ class CheckedConnection(ServerConnection):
 
 
 class GuardedServer:
-    """A running server.
-
-    - ``viser_server``: viser.ViserServer.
-    - ``gate``: in front of it.
-    """
+    """A running server."""
 
     def __init__(self, viser_server: viser.ViserServer, gate: AccessControl) -> None:
         self.viser = viser_server

@@ -110,8 +110,6 @@ def arm_facts(chain: SerialChain) -> ArmFacts:
 def posture_facts(chain: SerialChain, q: Array, length: float) -> PostureFacts:
     """Judge a posture.
 
-    - ``chain``: of n joints.
-    - ``q``: rad or m, shape (n,).
     - ``length``: what linear motions are divided by (m).
     """
     report = singularity_report(chain, q, length=length)
@@ -162,7 +160,6 @@ def twist_arrows(tip: Array, twists: Array, reach: float) -> TwistArrows:
     """Draw twists at the tip as arrows of one length.
 
     - ``tip``: in the base (m), shape (3,).
-    - ``reach``: of the robot (m).
     - ``twists``: angular first, in the base (rad/s and m/s), shape (r, 6).
     """
     # A motion counts beside a rotation as far as it moves the arm.

@@ -26,7 +26,6 @@ CONDITIONS = 6
 class ArmView(DraggableRobot):
     """An arm with its present posture and the pose that its tip is to take.
 
-    - ``chain``: of n joints.
     - ``q``: where it is to begin with (rad or m), shape (n,); default its home.
 
     - ``others``: joints beside the chain, such as those of a gripper (rad or m).
@@ -109,8 +108,6 @@ class ArmView(DraggableRobot):
 
         Where no posture takes it, the arm stays, unless it has too few joints for poses in general:
         then it goes to the posture that misses the pose least.
-
-        - ``T``: ``T_base_tip`` (m), shape (4, 4).
         """
         study = study_pose(self.chain, as_pose(T), self._q)
         self._curve_known = False

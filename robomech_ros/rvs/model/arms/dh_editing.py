@@ -52,8 +52,6 @@ def read_change(text: str, joints: int) -> DHChange:
 def changed_robot(chain: SerialChain, change: DHChange) -> tuple[RobotDescription, SerialChain]:
     """Change a number of the table of an arm.
 
-    - ``chain``: of n joints.
-
     Returns the arm alone, with its limits and names, without masses and meshes.
 
     Raises RobotDescriptionError: the number is too large.

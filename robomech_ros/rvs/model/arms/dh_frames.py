@@ -37,7 +37,6 @@ def dh_frames(table: DHTable, q: Array, reach: float) -> DHFrames:
     """Place the frames of a table at joint values (n,) (rad or m).
 
     - ``q``: shape (n,).
-    - ``reach``: of the robot (m).
     """
     slides = table.types == PRISMATIC
     b = table.b + np.where(slides, q, 0.0)

@@ -14,7 +14,6 @@ SLOWEST, AT_FIRST = 0.05, 0.5
 class HoldField:
     """A slider of the speed, and a hidden text field that a pad of buttons writes into.
 
-    - ``gui``: of the browser, viser.GuiApi.
     - ``joints``: how many joints there are buttons for.
     - ``hold``: goes on with a HoldHeartbeat at a part of the greatest jogging speed; raises a
       BadValueError where that cannot be.
