@@ -1,81 +1,58 @@
 """Which messages of a page are let through: those that it has, with values that can be."""
 
-import math
-from collections.abc import Callable
+import sys
+from typing import Annotated, Any, Union
 
-import msgspec
+from msgspec import DecodeError, Meta, Struct, defstruct
+from msgspec.msgpack import Decoder
 
 LONGEST_MESSAGE = 64 * 1024
 LONGEST_TEXT = 4096
 MOST_ENTRIES = 16
 
-Check = Callable[[object], bool]
+_Number = Annotated[float, Meta(ge=-sys.float_info.max, le=sys.float_info.max)]
+_Count = Annotated[int, Meta(ge=0, lt=2**31)]
+_Text = Annotated[str, Meta(max_length=LONGEST_TEXT)]
+_Scalar = bool | _Number | _Text
+_Pair = tuple[_Number, _Number]
+_Vector = tuple[_Number, _Number, _Number]
+_Quaternion = tuple[_Number, _Number, _Number, _Number]
 
 
-def _number(value: object) -> bool:
-    return type(value) in (int, float) and math.isfinite(value)  # type: ignore[arg-type]
-
-
-def _numbers(count: int) -> Check:
-    def check(value: object) -> bool:
-        return isinstance(value, list) and len(value) == count and all(map(_number, value))
-
-    return check
-
-
-def _text(value: object) -> bool:
-    return isinstance(value, str) and len(value) <= LONGEST_TEXT
-
-
-def _scalar(value: object) -> bool:
-    return isinstance(value, bool) or _number(value) or _text(value)
-
-
-def _optional(check: Check) -> Check:
-    return lambda value: value is None or check(value)
-
-
-def _count(value: object) -> bool:
-    return type(value) is int and 0 <= value < 2**31
-
-
-def _new_value(value: object) -> bool:
+class _Value(Struct, forbid_unknown_fields=True):
     """Only the value of a control may be set: viser would set any attribute of it."""
-    if not isinstance(value, dict) or list(value) != ["value"]:
-        return False
-    given = value["value"]
-    if isinstance(given, list):
-        return len(given) <= MOST_ENTRIES and all(map(_scalar, given))
-    return _scalar(given)
+
+    value: _Scalar | Annotated[list[_Scalar], Meta(max_length=MOST_ENTRIES)]
 
 
-_NODE: dict[str, Check] = {"name": _text, "owner": _text}
-_POSE: dict[str, Check] = {"wxyz": _numbers(4), "position": _numbers(3)}
+_NODE = {"name": _Text, "owner": _Text}
+_POSE = {"wxyz": _Quaternion, "position": _Vector}
 # What the page sends; whatever else viser knows is for other uses, such as its public tunnel.
-_FIELDS: dict[str, dict[str, Check]] = {
-    "GuiUpdateMessage": {"uuid": _text, "updates": _new_value},
+_FIELDS: dict[str, dict[str, Any]] = {
+    "GuiUpdateMessage": {"uuid": _Text, "updates": _Value},
     "SceneNodeClickMessage": {
         **_NODE,
-        "instance_index": _optional(_count),
-        "ray_origin": _numbers(3),
-        "ray_direction": _numbers(3),
-        "screen_pos": _numbers(2),
-        "modifier": _optional(_text),
+        "instance_index": _Count | None,
+        "ray_origin": _Vector,
+        "ray_direction": _Vector,
+        "screen_pos": _Pair,
+        "modifier": _Text | None,
     },
     "TransformControlsDragEndMessage": _NODE,
     "TransformControlsDragStartMessage": _NODE,
     "TransformControlsUpdateMessage": {**_NODE, **_POSE},
     "ViewerCameraMessage": {
         **_POSE,
-        "fov": _number,
-        "near": _number,
-        "far": _number,
-        "image_height": _count,
-        "image_width": _count,
-        "look_at": _numbers(3),
-        "up_direction": _numbers(3),
+        **dict.fromkeys(("fov", "near", "far"), _Number),
+        **dict.fromkeys(("image_height", "image_width"), _Count),
+        **dict.fromkeys(("look_at", "up_direction"), _Vector),
     },
 }
+_MESSAGES: Any = tuple(
+    defstruct(name, fields.items(), tag=name, forbid_unknown_fields=True)
+    for name, fields in _FIELDS.items()
+)
+_DECODER = Decoder(Union[_MESSAGES])  # noqa: UP007
 
 
 def is_acceptable(raw: object) -> bool:
@@ -86,12 +63,7 @@ def is_acceptable(raw: object) -> bool:
     if not isinstance(raw, bytes) or len(raw) > LONGEST_MESSAGE:
         return False
     try:
-        message = msgspec.msgpack.decode(raw)
-    except (msgspec.DecodeError, ValueError, RecursionError):
+        _DECODER.decode(raw)
+    except (DecodeError, ValueError, RecursionError):
         return False
-    if not isinstance(message, dict):
-        return False
-    fields = _FIELDS.get(message.pop("type", None)) if _text(message.get("type")) else None
-    if fields is None or set(message) != set(fields):
-        return False
-    return all(check(message[name]) for name, check in fields.items())
+    return True
