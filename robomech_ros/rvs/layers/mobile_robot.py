@@ -1,6 +1,5 @@
 """A mobile robot on a page: its command, the executed part of it, trail and path ahead."""
 
-import threading
 import time
 from functools import partial
 from typing import Any
@@ -12,6 +11,7 @@ from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.path_nodes import PathNode
 from robomech_ros.rvs.page.switches import Switches
+from robomech_ros.rvs.serving.ticker import Ticker
 from robomech_ros.spatial.arrays import as_flag
 
 # How often it is drawn while it moves (s), and what is made up for at most (s).
@@ -36,15 +36,13 @@ class MobileRobotLayer(Layer):
         self._switches = Switches(place, {"trail": "trail"}, {"trail": True})
         # Whether it is to follow the command; if not, it stops.
         self._follows = False
-        self._moves, self._closing = threading.Event(), threading.Event()
         self._stepped = 0.0
-        self._thread = threading.Thread(target=self._run, name="steps", daemon=True)
-        self._thread.start()
+        self._ticker = Ticker("steps", TICK, self._ask_for_step)
 
     @property
     def moves(self) -> bool:
         """Whether the robot goes on in periods, on the thread of the page."""
-        return self._moves.is_set()
+        return self._ticker.is_on
 
     def show(self) -> None:
         """Follow the robot."""
@@ -71,9 +69,7 @@ class MobileRobotLayer(Layer):
 
     def close(self) -> None:
         """Stop."""
-        self._closing.set()
-        self._moves.set()
-        self._thread.join()
+        self._ticker.close()
 
     def _command(self, name: str, axis: int, value: Any) -> None:
         unit, most = AXES[axis][1], float(self._robot.most[axis])
@@ -92,14 +88,10 @@ class MobileRobotLayer(Layer):
         """Go on from now, unless it does already; in requests alone."""
         if not self.moves:
             self._stepped = time.monotonic()
-            self._moves.set()
+            self._ticker.start()
 
-    def _run(self) -> None:
-        while True:
-            self._moves.wait()
-            if self._closing.wait(TICK):
-                return
-            self._place.ask((self, "step"), self._step, self._robot.moved_joint)
+    def _ask_for_step(self) -> None:
+        self._place.ask((self, "step"), self._step, self._robot.moved_joint)
 
     def _step(self) -> None:
         """Move on to now; where nobody looks any more, stop."""
@@ -111,4 +103,4 @@ class MobileRobotLayer(Layer):
             self._follows = False
         robot.drive(min(steps, most), brake=not self._follows)
         if not self._follows and robot.stands:
-            self._moves.clear()
+            self._ticker.stop()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import threading
 import time
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -23,6 +22,7 @@ from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.curves import ALL, cursor_rule, curves_picture
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
+from robomech_ros.rvs.serving.ticker import Ticker
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.trajectory import PROFILES
 from robomech_ros.typing import Array
@@ -71,10 +71,8 @@ class MotionLayer(Layer):
         self._plan: SweptPlan | None = None
         self._drawn: MotionCurves | None = None
         self._degrees = False
-        self._beating = threading.Event()
-        self._closing = threading.Event()
-        self._beater: threading.Thread | None = None
         self._last = 0.0
+        self._ticker = Ticker("player", BEAT, partial(place.run, "beat", self._step))
 
     # What the page calls.
 
@@ -156,10 +154,7 @@ class MotionLayer(Layer):
 
     def close(self) -> None:
         """Stop what plays and computes."""
-        self._closing.set()
-        self._beating.set()
-        if self._beater is not None and self._beater is not threading.current_thread():
-            self._beater.join()
+        self._ticker.close()
         self._worker.close()
 
     # What the controls ask for, each on the thread of the page.
@@ -221,7 +216,8 @@ class MotionLayer(Layer):
             self.player.pause()
         else:
             self.player.play()
-            self._begin_to_beat()
+            self._last = time.monotonic()
+            self._ticker.start()
         self._move()
 
     def choose_curves(self, name: str) -> None:
@@ -273,7 +269,7 @@ class MotionLayer(Layer):
 
     def _show_prepared(self, prepared: tuple[SweptPlan, MotionCurves]) -> None:
         # Another one may have come meanwhile, or another robot.
-        if prepared[0].motion is self._asked and not self._closing.is_set():
+        if prepared[0].motion is self._asked and not self._ticker.is_closed:
             self._display(*prepared)
 
     def _take(self, made: MadePlan) -> None:
@@ -320,28 +316,15 @@ class MotionLayer(Layer):
         if self.along:
             self._place.ask("along", lambda: self._place.moved.move_to(self._closed(q)))
 
-    def _begin_to_beat(self) -> None:
-        self._last = time.monotonic()
-        self._beating.set()
-        if self._beater is None:
-            self._beater = threading.Thread(target=self._beat, name="player", daemon=True)
-            self._beater.start()
-
-    def _beat(self) -> None:
-        while not self._closing.is_set():
-            self._beating.wait()
-            self._place.run("beat", self._step)
-            self._closing.wait(BEAT)
-
     def _step(self) -> None:
         now = time.monotonic()
-        if self._closing.is_set():
+        if self._ticker.is_closed:
             return
         if self.player.playing:
             self.player.advance(now - self._last)
             self._move()
         if not self.player.playing:
-            self._beating.clear()
+            self._ticker.stop()
         self._last = now
 
 

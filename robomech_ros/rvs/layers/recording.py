@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable
 from functools import partial
@@ -16,6 +15,7 @@ from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.recording import motion_page
 from robomech_ros.rvs.serving.scripts import keep_in_address, read_address_into, save_picture
+from robomech_ros.rvs.serving.ticker import Ticker
 
 VIEW = "View"
 RECORD, END = "Record", "End the recording"
@@ -38,9 +38,7 @@ class RecordingLayer(Layer):
         self.view: Any = None
         # The state that was written into the address last.
         self.written = ""
-        self._changed, self._closing = threading.Event(), threading.Event()
-        self._follower = threading.Thread(target=self._follow, name="address", daemon=True)
-        self._follower.start()
+        self._ticker = Ticker("address", LATE, self._follow)
 
     def show(self) -> None:
         """Keep where the arm is."""
@@ -76,14 +74,12 @@ class RecordingLayer(Layer):
 
     def close(self) -> None:
         """Stop writing."""
-        self._closing.set()
-        self._changed.set()
-        self._follower.join()
+        self._ticker.close()
         self._worker.close()
 
     def notice(self) -> None:
         """Have the address follow what is seen."""
-        self._changed.set()
+        self._ticker.start()
 
     # What the controls ask for, on the thread of the page.
 
@@ -135,16 +131,13 @@ class RecordingLayer(Layer):
             self.record.label = END if self.recorder.running else RECORD
 
     def _follow(self) -> None:
-        while not self._closing.is_set():
-            self._changed.wait()
-            self._closing.wait(LATE)
-            self._changed.clear()
-            if not self._closing.is_set():
-                self._place.run("address", self._write)
+        # Once for each change.
+        self._ticker.stop()
+        self._place.run("address", self._write)
 
     def _write(self) -> None:
         place = self._place
-        if not self.is_open or self._closing.is_set():
+        if not self.is_open or self._ticker.is_closed:
             return
         camera = self._client.camera
         state = ViewState(place.arm.q, camera.position, camera.look_at, place.switched())
