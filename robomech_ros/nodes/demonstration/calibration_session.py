@@ -1,7 +1,5 @@
 """One run of `robomech calibrate-demo`, from the start of the nodes to the picture."""
 
-from __future__ import annotations
-
 import json
 from importlib.util import find_spec
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The task of `robomech calibrate-demo`: samples where they tell most until a camera is known."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

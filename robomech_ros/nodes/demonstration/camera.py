@@ -1,7 +1,5 @@
 """A simulated camera that answers with noise where it sees its target."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Closed paths of the ground that rolling robots are shown on: a rounded square and an eight."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

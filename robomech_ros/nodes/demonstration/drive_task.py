@@ -1,7 +1,5 @@
 """Driving closed paths through the node of a rolling robot, by what it publishes."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

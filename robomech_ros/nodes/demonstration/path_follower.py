@@ -1,7 +1,5 @@
 """Follows a closed path by commands of twists, from where odometry says that the base is."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

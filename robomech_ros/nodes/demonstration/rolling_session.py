@@ -1,7 +1,5 @@
 """The demonstration of a rolling robot: closed paths, driven across processes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One walk of the demonstration: twists that follow a path, and what the robot says of itself."""
 
-from __future__ import annotations
-
 from collections import deque
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The demonstration of a walking machine: an eight is walked, and every foot looked at."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
