@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from browsing import IN_CHROMIUM, browser
-from controls import button, field, heading, press, write
+from controls import button, field, heading, press, settled, write
 from raw_client import wait_until
 
 from robomech_ros.kinematics import forward_kinematics
@@ -59,11 +59,7 @@ def steady_plane(tab):
         {PLOT}.scrollIntoView({{block: 'center'}});
         const r = {PLOT}.querySelector('[data-plane]').getBoundingClientRect();
         return [r.left, r.bottom, r.width, r.height]; }})()"""
-    seen = []
-    wait_until(
-        lambda: seen.append(tab.value(script)) or tab.frames(5) or seen[-3:] == seen[-1:] * 3
-    )
-    return seen[-1]
+    return settled(tab, script)
 
 
 def click_beside(tab, point, pixels=2.0):

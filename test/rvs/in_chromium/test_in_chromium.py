@@ -1,5 +1,6 @@
 """The page in a real browser: headless, drawn in software, without a network."""
 
+import controls
 import numpy as np
 import pytest
 from browsing import IN_CHROMIUM, browser
@@ -12,10 +13,6 @@ from robomech_ros.rvs import Choice, Motion, NamedPosture, view, write_motion
 pytestmark = IN_CHROMIUM
 GIZMO = "/base/target"
 NODE = f"__viserMutable.nodeRefFromName['{GIZMO}']"
-FIELD = (
-    "[...document.querySelectorAll('label')].find(l => l.textContent === '{label}')"
-    ".closest('.mantine-Flex-root')"
-)
 
 
 @pytest.fixture(scope="module")
@@ -39,17 +36,6 @@ def at_home(shown):
     return page, tab
 
 
-def pixel(tab, node):
-    """Return the pixel of a node's origin."""
-    script = f"""(() => {{
-        const v = __viserMutable, o = v.nodeRefFromName[{node!r}], c = v.camera;
-        o.updateWorldMatrix(true, false); c.updateMatrixWorld();
-        const p = o.position.clone().setFromMatrixPosition(o.matrixWorld).project(c);
-        const r = v.canvas.getBoundingClientRect();
-        return [r.left + (p.x + 1) / 2 * r.width, r.top + (1 - p.y) / 2 * r.height]; }})()"""
-    return tab.value(script)
-
-
 def test_the_address_keeps_no_token(shown):
     _, tab = shown
     assert "token" not in tab.value("location.href")
@@ -68,7 +54,7 @@ def test_a_row_takes_its_posture(at_home):
 
 def test_a_number_typed_into_a_slider_moves_the_joint(at_home):
     page, tab = at_home
-    field = FIELD.format(label="elbow") + ".querySelector('input:not([type=hidden])')"
+    field = controls.number("elbow")
     # The field may still be about to show where the arm came from.
     tab.wait_for(f"Math.abs({field}.value - {page._arm.q[2]}) < 1e-3")
     tab.value(f"{field}.focus()")
@@ -83,7 +69,7 @@ def test_a_number_typed_into_a_slider_moves_the_joint(at_home):
 
 def test_a_slider_moves_by_its_arrow_keys_and_stays_inside(at_home):
     page, tab = at_home
-    thumb = FIELD.format(label="shoulder pan") + ".querySelector('[role=slider]')"
+    thumb = controls.thumb("shoulder pan")
     tab.wait_for(f"Math.abs({thumb}.ariaValueNow - {page._arm.q[0]}) < 1e-6")
     tab.value(f"{thumb}.focus()")
     tab.wait_for(f"document.activeElement === {thumb}")

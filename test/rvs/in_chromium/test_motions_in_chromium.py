@@ -3,6 +3,7 @@
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import controls
 import numpy as np
 import pytest
 from browsing import IN_CHROMIUM, browser
@@ -14,10 +15,6 @@ from robomech_ros.rvs.layers.motions import MotionLayer
 
 pytestmark = IN_CHROMIUM
 BUTTON = "[...document.querySelectorAll('button')].find(b => b.textContent === '{text}')"
-FIELD = (
-    "[...document.querySelectorAll('label')].find(l => l.textContent === '{label}')"
-    ".closest('.mantine-Flex-root')"
-)
 CURSOR = "parseFloat(getComputedStyle(document.querySelector('[data-cursor]')).left)"
 WIDTH = "document.querySelector('[data-quantity]').clientWidth"
 # Where what was asked for came from.
@@ -68,7 +65,7 @@ def downloaded(folder, name):
 def test_the_scrubber_moves_the_ghost_and_the_cursor(shown):
     page, tab, _ = shown
     layer = motions(page)
-    thumb = FIELD.format(label="Time") + ".querySelector('[role=slider]')"
+    thumb = controls.thumb("Time")
     opened(tab, "Motion", thumb)
     tab.wait_for(f"{thumb}.ariaValueMax == 4")
     at = "__viserMutable.nodeRefFromName['/base/plan/now']"
@@ -106,7 +103,7 @@ def test_a_plan_is_made_from_start_to_goal_and_played(shown):
     start = page._arm.q.copy()
     tab.value(BUTTON.format(text="Start here") + ".click()")
     tab.wait_for("document.querySelector('[data-plan]').innerText.includes('goal')")
-    number = FIELD.format(label="shoulder pan") + ".querySelector('input:not([type=hidden])')"
+    number = controls.number("shoulder pan")
     tab.value(f"(() => {{ const f = {number}; f.select(); f.focus(); }})()")
     tab.send("Input.insertText", text="0.75")
     wait_until(lambda: page._arm.q[0] == 0.75)
@@ -116,7 +113,7 @@ def test_a_plan_is_made_from_start_to_goal_and_played(shown):
     wait_until(lambda: page._plan.name == "plan" and layer._plan.motion is page._plan.motion)
     motion = layer._plan.motion
     np.testing.assert_allclose(motion.q[[0, -1]], [start, goal], atol=1e-9)
-    thumb = FIELD.format(label="Time") + ".querySelector('[role=slider]')"
+    thumb = controls.thumb("Time")
     tab.wait_for(f"Math.abs({thumb}.ariaValueMax - {motion.duration}) < 1e-6")
     tab.wait_for("__viserMutable.nodeRefFromName['/base/plan/now']")
     tab.value(BUTTON.format(text="Play") + ".click()")

@@ -3,17 +3,13 @@
 import numpy as np
 import pytest
 from browsing import IN_CHROMIUM, browser
-from controls import field
+from controls import checkbox, field
 from raw_client import wait_until
 
 from robomech_ros.rvs import view
 
 pytestmark = IN_CHROMIUM
 TABLE = "document.querySelector('[data-platform]')"
-BOX = (
-    "[...document.querySelectorAll('label')].find(l => l.textContent === '{label}')"
-    ".closest('.mantine-Flex-root').querySelector('input[type=checkbox]')"
-)
 OPEN = "[...document.querySelectorAll('label')].some(l => l.textContent === '{label}')"
 WORKSPACE = (
     "[...document.querySelectorAll('div')].find(d => d.children.length <= 2 && "
@@ -70,18 +66,18 @@ def test_positions_are_drawn_with_what_ends_them(shown):
     page, tab = shown
     tab.wait_for(WORKSPACE)
     tab.value(f"{WORKSPACE}.click()")
-    tab.wait_for(BOX.format(label="positions"))
-    tab.value(f"{BOX.format(label='positions')}.click()")
+    tab.wait_for(checkbox("positions"))
+    tab.value(f"{checkbox('positions')}.click()")
     tab.wait_for(f"{POSITIONS}.innerText.includes('too long')")
     tab.wait_for("__viserMutable.nodeRefFromName['/base/positions_0']")
-    tab.value(f"{BOX.format(label='positions')}.click()")
+    tab.value(f"{checkbox('positions')}.click()")
     tab.wait_for("!__viserMutable.nodeRefFromName['/base/positions_0']")
     assert page._arm.faulty_links == ()
 
 
 def test_orientations_are_drawn_beside_positions(shown):
     page, tab = shown
-    part, box = page._layers[1]._parts["orientations"], BOX.format(label="orientations")
+    part, box = page._layers[1]._parts["orientations"], checkbox("orientations")
     tab.wait_for(WORKSPACE)
     tab.value(f"if (!{OPEN.format(label='orientations')}) {WORKSPACE}.click()")
     tab.wait_for(box)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from browsing import IN_CHROMIUM, browser
+from controls import checkbox
 from raw_client import wait_until
 
 from robomech_ros.kinetostatics import characteristic_length, condition_number
@@ -10,10 +11,6 @@ from robomech_ros.rvs import view
 
 pytestmark = IN_CHROMIUM
 BUTTON = "[...document.querySelectorAll('button')].find(b => b.innerText.trim() === '{label}')"
-BOX = (
-    "[...document.querySelectorAll('label')].find(l => l.textContent === '{label}')"
-    ".closest('.mantine-Flex-root').querySelector('input[type=checkbox]')"
-)
 FOLDER = (
     "[...document.querySelectorAll('div')].find(d => d.children.length <= 2 && "
     "d.textContent === '{label}')"
@@ -35,7 +32,7 @@ def shown():
 
 def tick(tab, label, checked=True):
     """Tick a checkbox, or not."""
-    box = BOX.format(label=label)
+    box = checkbox(label)
     tab.wait_for(box)
     if tab.value(f"{box}.checked") != checked:
         tab.value(f"{box}.click()")

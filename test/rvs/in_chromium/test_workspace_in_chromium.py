@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from browsing import IN_CHROMIUM, browser
-from controls import button, field, heading, press
+from controls import button, field, heading, press, settled
 from raw_client import wait_until
 
 from robomech_ros.rvs import view
@@ -41,11 +41,7 @@ def seen_at(tab, point):
         s.scrollIntoView({{block: 'center'}});
         const p = new DOMPoint({x}, {y}).matrixTransform(s.getScreenCTM());
         return [p.x, p.y]; }})()"""
-    seen = []
-    wait_until(
-        lambda: seen.append(tab.value(script)) or tab.frames(5) or seen[-3:] == seen[-1:] * 3
-    )
-    return seen[-1]
+    return settled(tab, script)
 
 
 def assert_listed(page, tab):
@@ -108,11 +104,7 @@ def test_a_point_of_a_map_is_clicked_in_the_scene(shown):
         {node}.localToWorld(p);
         p.project(c);
         return [r.left + (p.x + 1) * r.width / 2, r.top + (1 - p.y) * r.height / 2]; }})()"""
-    seen = []
-    wait_until(
-        lambda: seen.append(tab.value(script)) or tab.frames(5) or seen[-3:] == seen[-1:] * 3
-    )
-    tab.click(*seen[-1])
+    tab.click(*settled(tab, script))
     wait_until(lambda: np.abs(page._arm.target[:3, 3] - place).max() < 1e-6)
     wait_until(lambda: bool(page._arm.study.sentence))
     count = len(page._arm.study.postures)

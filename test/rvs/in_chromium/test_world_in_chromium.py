@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from browsing import IN_CHROMIUM, browser
+from controls import pixel
 from gizmo_mouse import GizmoMouse
 from raw_client import wait_until
 from world_cases import HERE, ROBOT, SCENE, world_layer
@@ -26,17 +27,6 @@ def shown():
         page.show("gizmo", False)
         tab.frames(5)
         yield page, tab, world_layer(page)
-
-
-def pixel(tab, node):
-    """Return the pixel of a node's origin."""
-    script = f"""(() => {{
-        const v = __viserMutable, o = v.nodeRefFromName[{node!r}], c = v.camera;
-        o.updateWorldMatrix(true, false); c.updateMatrixWorld();
-        const p = o.position.clone().setFromMatrixPosition(o.matrixWorld).project(c);
-        const r = v.canvas.getBoundingClientRect();
-        return [r.left + (p.x + 1) / 2 * r.width, r.top + (1 - p.y) / 2 * r.height]; }})()"""
-    return tab.value(script)
 
 
 def test_an_object_is_chosen_by_a_click_and_dragged_into_postures(shown):
