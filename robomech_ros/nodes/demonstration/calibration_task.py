@@ -77,7 +77,6 @@ class CalibrationTask:
     """Moves the arm to where samples tell most, and has the camera found.
 
     - ``scene``: the truth, to compare with.
-
     - ``answer``: the last.
     """
 

@@ -68,7 +68,6 @@ class SimulatedCamera:
     - ``client``: hears the joints, and speaks.
     - ``noise``: deviation of each coordinate of its rotations (rad) and positions (m).
     - ``on_tf``: whether it speaks on /tf; else on topics, the hand's pose, too.
-
     - ``mistaken``: whether it takes the target for one that is turned by 90 degrees.
     """
 

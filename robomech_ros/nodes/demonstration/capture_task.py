@@ -53,7 +53,6 @@ class CaptureTask:
     """Captures a drifting body.
 
     - ``robot``: chain of n joints.
-
     - ``captured``: in its own frame, whose axes are those of the tip at the contact.
     - ``marks``: times of the recording (s), and what begins there.
     """

@@ -38,7 +38,6 @@ class DemoClient:
 
     - ``suite``: the running nodes.
     - ``names``, ``units``: the joints that are to be recorded, and ``"rad"`` or ``"m"`` for each.
-
     - ``node``: for more publishers and timers; it spins.
     """
 

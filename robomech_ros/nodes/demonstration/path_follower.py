@@ -32,7 +32,6 @@ class PathFollower:
     - ``speed``: on the path (m/s).
     - ``acceleration``: on the path (m/s^2).
     - ``radius``: at which the path turns (m).
-
     - ``gone``: length of the path that is done (m).
     - ``off``: greatest distance from the path so far (m).
     - ``arrived``: whether it is at the end.

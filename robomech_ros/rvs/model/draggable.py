@@ -50,7 +50,6 @@ class DraggableRobot(ABC):
     - ``units``: of these joints.
     - ``state_joints``: joints of a posture.
     - ``home``: where it begins (rad or m), shape (n,).
-
     - ``lists_postures``: whether postures are listed, of which one can be taken.
     - ``slider_noun``: what errors call a slider.
     - ``room``: least side of the ground around it (m).

@@ -33,7 +33,6 @@ class WorldView:
     """A planning scene as a page shows it; not thread-safe.
 
     - ``scene``: only this object changes it.
-
     - ``version``: grows with every change.
     - ``ways``: kinds of plans around obstacles.
     """

@@ -58,7 +58,6 @@ class ObservedRobot(TreeView):
     - ``directions``: in which it can be jogged.
     - ``gaits``: in which it can walk.
     - ``shifts``: of the trunk: x, y, z, roll, pitch, yaw.
-
     - ``trail``: past positions.
     """
 

@@ -19,7 +19,6 @@ class HoldField:
       BadValueError where that cannot be.
     - ``let_go``: ends what is held.
     - ``refuse``: says why something is refused.
-
     - ``handle``: of the field, viser.GuiInputHandle.
     - ``gone``: whether the browser commands no more; changed while nothing is held.
     """
