@@ -10,8 +10,12 @@ from robomech_interfaces.srv import PlanCartesian, SolveIK
 from robomech_ros.dynamics import FloatingChain, with_payload
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.mobility import arm_size
-from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, stamped_pose
-from robomech_ros.nodes.demonstration.client import DemoClient
+from robomech_ros.nodes.common.messages.pose_messages import (
+    matrix_from_pose,
+    stamped_pose,
+    twist_vector,
+)
+from robomech_ros.nodes.demonstration.client import DemoClient, seconds_of
 from robomech_ros.nodes.demonstration.pick_and_place import change_parameters
 from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.demonstration.suite import DemoFailedError
@@ -208,10 +212,8 @@ class CaptureTask:
         self.marks.append((self._client.now(), name))
 
     def _odometry(self, message: Odometry) -> None:
-        twist, stamp = message.twist.twist, message.header.stamp
-        w, v = twist.angular, twist.linear
-        row = stamp.sec + stamp.nanosec * 1e-9, matrix_from_pose(message.pose.pose)
-        self._rows.append((*row, np.array([w.x, w.y, w.z, v.x, v.y, v.z])))
+        pose, twist = matrix_from_pose(message.pose.pose), twist_vector(message.twist.twist)
+        self._rows.append((seconds_of(message), pose, twist))
 
 
 def _distances(wanted: Array, T: Array) -> tuple[float, float]:

@@ -17,7 +17,7 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_interfaces.srv import Execute, PlanJoint
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.messages.joint_messages import joint_state
-from robomech_ros.nodes.common.messages.message_fields import seconds_from_duration
+from robomech_ros.nodes.common.messages.message_fields import NANO, seconds_from_duration
 from robomech_ros.nodes.demonstration.suite import DemoFailedError, Suite, running_suite
 from robomech_ros.nodes.middleware.queue_depth import ask
 from robomech_ros.nodes.middleware.retrying_client import RetriedRequest
@@ -61,7 +61,7 @@ class DemoClient:
     def _record(self, message: JointState) -> None:
         index = {name: i for i, name in enumerate(message.name)}
         order = [index[name] for name in self._names]
-        stamp = message.header.stamp.sec + message.header.stamp.nanosec * 1e-9
+        stamp = seconds_of(message)
         velocity = np.array(message.velocity) if message.velocity else np.zeros(len(index))
         self._rows.append((stamp, np.array(message.position)[order], velocity[order]))
 
@@ -203,6 +203,12 @@ class DemoClient:
                 return False
             time.sleep(_LOOK)
         return True
+
+
+def seconds_of(message: Any) -> float:
+    """Return the time stamp of a message (s)."""
+    stamp = message.header.stamp
+    return float(stamp.sec + stamp.nanosec / NANO)
 
 
 def twist_message(twist: Array) -> TwistStamped:

@@ -9,8 +9,8 @@ from nav_msgs.msg import Odometry
 from rclpy.qos import qos_profile_sensor_data
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.nodes.common.messages.message_fields import NANO
-from robomech_ros.nodes.demonstration.client import DemoClient, twist_message
+from robomech_ros.nodes.common.messages.pose_messages import twist_vector
+from robomech_ros.nodes.demonstration.client import DemoClient, seconds_of, twist_message
 from robomech_ros.nodes.demonstration.closed_paths import (
     ClosedPath,
     figure_of_eight,
@@ -113,7 +113,7 @@ class DriveTask:
         node.create_subscription(
             PoseStamped,
             truth,
-            lambda message: self._true.append(_row(message.header.stamp, message.pose)),
+            lambda message: self._true.append(_row(message, message.pose)),
             qos_profile_sensor_data,
         )
 
@@ -191,10 +191,8 @@ class DriveTask:
 
     def _answer(self, message: Odometry) -> None:
         """Answer odometry with a command."""
-        twist = message.twist.twist
-        moves = (twist.angular.z, twist.linear.x, twist.linear.y)
-        row = _row(message.header.stamp, message.pose.pose)
-        self._rests = max(map(abs, moves)) < _REST_SPEED
+        row = _row(message, message.pose.pose)
+        self._rests = bool(np.abs(twist_vector(message.twist.twist)).max() < _REST_SPEED)
         follower = self._follower
         if follower is not None:
             command = twist_message(follower.command(row[0], row[1:]))
@@ -208,8 +206,7 @@ def _pose_text(pose: Array) -> str:
     return f"x {x:+.3f} m, y {y:+.3f} m, heading {math.remainder(heading, 2.0 * math.pi):+.3f} rad"
 
 
-def _row(stamp: Any, pose: Any) -> Array:
-    """Return time (s), x, y (m) and heading (rad) of a pose on the ground."""
+def _row(message: Any, pose: Any) -> Array:
+    """Return time (s), x, y (m) and heading (rad) of a message and its pose on the ground."""
     heading = 2.0 * math.atan2(pose.orientation.z, pose.orientation.w)
-    time = stamp.sec + stamp.nanosec / NANO
-    return np.array([time, pose.position.x, pose.position.y, heading])
+    return np.array([seconds_of(message), pose.position.x, pose.position.y, heading])

@@ -9,8 +9,8 @@ from std_msgs.msg import Float64
 
 from robomech_interfaces.msg import FootContacts
 from robomech_ros.nodes.common.messages.message_fields import NANO
-from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
-from robomech_ros.nodes.demonstration.client import DemoClient, twist_message
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, twist_vector
+from robomech_ros.nodes.demonstration.client import DemoClient, seconds_of, twist_message
 from robomech_ros.nodes.demonstration.path_follower import PathFollower
 from robomech_ros.nodes.demonstration.suite import DemoFailedError
 from robomech_ros.rolling.arcs import moved
@@ -46,14 +46,12 @@ class Walk:
         )
 
     def _odometry(self, message: Odometry) -> None:
-        twist = message.twist.twist
-        parts = (twist.linear, twist.angular)
-        self._still = not any(abs(v) for part in parts for v in (part.x, part.y, part.z))
-        self._poses.append((_seconds(message), matrix_from_pose(message.pose.pose)))
+        self._still = not twist_vector(message.twist.twist).any()
+        self._poses.append((seconds_of(message), matrix_from_pose(message.pose.pose)))
 
     def _feet(self, message: FootContacts) -> None:
         places = np.array([(one.x, one.y, one.z) for one in message.feet])
-        self._contacts.append((_seconds(message), np.array(message.contacts), places))
+        self._contacts.append((seconds_of(message), np.array(message.contacts), places))
 
     def wait_until_it_stands(self) -> None:
         """Wait until all feet are down and the trunk is at rest."""
@@ -128,8 +126,3 @@ class Walk:
     def margins(self) -> Array:
         """The stability margins (m), shape (m,)."""
         return np.array(self._margins)
-
-
-def _seconds(message: Odometry | FootContacts) -> float:
-    stamp = message.header.stamp
-    return float(stamp.sec + stamp.nanosec / NANO)

@@ -58,7 +58,7 @@ class GhostMaker(Protocol):
         """How many pieces a ghost has."""
 
     def placed(self, postures: Sequence[Array], colours: Sequence[Rgb]) -> GhostPieces:
-        """Place the pieces of ghosts; those of the first posture come first."""
+        """Place the pieces of ghosts in postures (n,), one colour each, one ghost after another."""
 
     def middles(self, postures: Sequence[Array]) -> Array:
         """Return where numbers are written (k, 3), in the base (m)."""
@@ -99,13 +99,7 @@ class Ghosts:
         return np.asarray(poses[:, 0, :3, 3])
 
     def placed(self, postures: Sequence[Array], colours: Sequence[Rgb]) -> GhostPieces:
-        """Place the pieces of ghosts; those of the first posture come first.
-
-        A piece that lies where an earlier ghost has it is too small to be seen.
-
-        - ``postures``: rad or m, shape (n,).
-        - ``colours``: one for each.
-        """
+        """Place the pieces of ghosts; a piece that lies where an earlier ghost has it is hidden."""
         if not len(postures) or not self.pieces:
             return placed_pieces(np.empty((0, 4, 4)), np.empty((0, 3)), (), 0)
         poses = link_poses(self._chain, np.array(postures), self._links)

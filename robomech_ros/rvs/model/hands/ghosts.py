@@ -47,12 +47,7 @@ class HandGhosts:
         return (weights[..., None] * at).sum(axis=0) / weights.sum(axis=0)[:, None]
 
     def placed(self, postures: Sequence[Array], colours: Sequence[Rgb]) -> GhostPieces:
-        """Place the pieces of ghosts; those of the first posture come first.
-
-        - ``postures``: all joints, finger by finger, and what places the object (rad or m), shape
-          (n,).
-        - ``colours``: one for each.
-        """
+        """Place the pieces of ghosts; postures have all joints, then those of the object."""
         count, parts = len(postures), self._split(postures)
         placed = [one.placed(part, colours) for one, part in zip(self._fingers, parts, strict=True)]
         columns = []

@@ -76,11 +76,7 @@ class PlatformGhosts:
         return np.asarray(points[:, :, -1].mean(axis=1))
 
     def placed(self, postures: Sequence[Array], colours: Sequence[Rgb]) -> GhostPieces:
-        """Place the pieces of ghosts; those of the first posture come first.
-
-        - ``postures``: rad or m, shape (n,).
-        - ``colours``: one for each.
-        """
+        """Place the pieces of ghosts; those of the first posture come first."""
         count, size = len(postures), min(self._mechanism.size, self._reach)
         points = limb_points(self._mechanism, np.array(postures), self._reach)
         last = points[:, :, -1]
