@@ -26,11 +26,8 @@ exclude_patterns = ["_build", "extensions", "jupyter_execute"]
 # Several results have fields of one name; none of them is meant as a link.
 suppress_warnings = ["myst.header", "ref.python"]
 nitpicky = True
-nitpick_ignore_regex = [
-    ("py:(class|obj|data)", ".*"),  # types are prose, such as "ndarray, shape (n,)"
-    # Errors that no public package exports.
-    ("py:exc", "(AddressError|DaskUnavailableError|LostPostureError|PortTakenError)"),
-]
+# Types are prose, such as "ndarray, shape (n,)".
+nitpick_ignore_regex = [("py:(class|obj|data)", ".*")]
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
 
@@ -53,6 +50,7 @@ add_module_names = False  # each page names its package once
 html_theme = "furo"
 html_title = f"robomech_ros {release}"
 html_css_files = ["robomech.css"]
+html_js_files = [("scenes.js", {"defer": "defer"})]
 html_show_sourcelink = False
 html_copy_source = False
 html_show_search_summary = False  # it fetches pages, which browsers refuse to pages opened as files

@@ -6,7 +6,7 @@ Run it with:  python examples/workspace_picture.py [PICTURE]     (png, svg or pd
 import argparse
 
 from robomech_ros.kinetostatics import workspace_boundary
-from robomech_ros.plotting.workspace_section import plot_workspace
+from robomech_ros.plotting import plot_workspace
 from robomech_ros.robots import load_robot
 
 parser = argparse.ArgumentParser(description="Draw the boundary of a workspace.")

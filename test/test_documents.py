@@ -2,6 +2,7 @@
 
 import ast
 import re
+import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -13,6 +14,11 @@ from robomech_ros.robots import list_robots, load_robot
 
 ROOT = Path(__file__).resolve().parent.parent
 DOC = ROOT / "doc"
+sys.path.insert(0, str(DOC / "extensions"))
+
+from notebook_parts import cells  # noqa: E402
+from public_names import public_packages  # noqa: E402
+
 PAGES = sorted([*DOC.glob("*.md"), *DOC.glob("notebooks/*.md")])
 
 
@@ -60,6 +66,20 @@ def test_a_python_block_runs_alone_and_gives_what_its_comments_say(source, monke
         else:
             value = eval(text, names)
         assert agrees(value, shown[1]), f"{text} gives {value}, not {shown[1]}"
+
+
+def test_documents_and_examples_import_only_what_has_an_entry_in_the_interface():
+    sources = [path.read_text("utf-8") for path in (ROOT / "examples").glob("*.py")]
+    for page in [ROOT / "README.md", *PAGES]:
+        sources += blocks(page, "python")
+        sources += [cell.source for cell in cells(page.read_text("utf-8"))]
+    nodes = [node for source in sources for node in ast.walk(ast.parse(source))]
+    imports = [node for node in nodes if isinstance(node, ast.ImportFrom)]
+    ours = [node for node in imports if (node.module or "").startswith("robomech_ros.")]
+    assert len(ours) > 200
+    named = {f"{node.module}.{alias.name}" for node in ours for alias in node.names}
+    public = {f"{package}.{name}" for package, names in public_packages().items() for name in names}
+    assert sorted(named - public - public_packages().keys()) == []
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)

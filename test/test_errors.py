@@ -1,11 +1,19 @@
 """Errors: their texts, their fields, and that they travel between processes."""
 
 import pickle
+import re
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from robomech_ros import errors
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "doc" / "extensions"))
+
+from public_names import public_packages  # noqa: E402
 
 CASES = [
     (
@@ -73,6 +81,19 @@ def test_texts_and_pickles(error, text):
     assert type(again) is type(error)
     assert str(again) == text
     assert str(vars(again)) == str(vars(error))
+
+
+def test_every_error_of_a_public_package_is_exported():
+    """What a caller may have to catch can be imported, and has an entry in the documents."""
+    exported = set().union(*public_packages().values())
+    hidden = []
+    for package in {name.split(".")[1] for name in public_packages()}:
+        for path in (ROOT / "robomech_ros" / package).rglob("*.py"):
+            # Those that are no RobomechError are caught inside.
+            classes = re.findall(r"^class ([A-Z]\w*Error)\((?!Exception)", path.read_text(), re.M)
+            hidden += [f"{path}: {name}" for name in classes if name not in exported]
+    assert {"AddressError", "DaskUnavailableError", "LostPostureError"} <= exported
+    assert hidden == []
 
 
 def test_long_values_and_lists_are_cut():

@@ -6,11 +6,21 @@ import re
 
 import pytest
 
-from robomech_ros import cartesian, collision, dynamics, kinematics, kinetostatics, trajectory
+from robomech_ros import (
+    cartesian,
+    collision,
+    dynamics,
+    kinematics,
+    kinetostatics,
+    plotting,
+    servo,
+    trajectory,
+)
 
 
 @pytest.mark.parametrize(
-    "package", [cartesian, collision, dynamics, kinematics, kinetostatics, trajectory]
+    "package",
+    [cartesian, collision, dynamics, kinematics, kinetostatics, plotting, servo, trajectory],
 )
 def test_everything_exported_is_there_under_a_name_of_its_own(package):
     """A module of the same name would take its place as soon as it is imported."""

@@ -127,6 +127,9 @@ if TYPE_CHECKING:
         Simulation as Simulation,
         simulate as simulate,
     )
-    from robomech_ros.dynamics.systems import DynamicSystem as DynamicSystem
+    from robomech_ros.dynamics.systems import (
+        DynamicSystem as DynamicSystem,
+        LostPostureError as LostPostureError,
+    )
 
 __getattr__, __all__ = lazy_exports(__name__, globals())

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from robomech_ros.dynamics.chain_dynamics import ChainDynamics
 from robomech_ros.dynamics.drive_control import CompiledServo, ServoLaw
-from robomech_ros.errors import BadValueError
+from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.typing import Array, ArrayLike, IntArray
@@ -16,7 +16,7 @@ from robomech_ros.typing import Array, ArrayLike, IntArray
 CompiledForward = Callable[[Array, Array, Array, Array], int]
 
 
-class LostPostureError(Exception):
+class LostPostureError(RobomechError):
     """No posture in the same assembly mode belongs to values of the drives; it says why."""
 
 

@@ -57,6 +57,7 @@ if TYPE_CHECKING:
         ConditionLoci as ConditionLoci,
         condition_loci as condition_loci,
     )
+    from robomech_ros.kinetostatics.maps.engines import DaskUnavailableError as DaskUnavailableError
     from robomech_ros.kinetostatics.maps.reachability import (
         ReachMap as ReachMap,
         load_reach_map as load_reach_map,

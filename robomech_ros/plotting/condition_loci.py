@@ -1,5 +1,7 @@
 """A plot of curves of equal condition number over two joints."""
 
+from __future__ import annotations
+
 from pathlib import Path
 
 import numpy as np

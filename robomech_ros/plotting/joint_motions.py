@@ -1,5 +1,7 @@
 """Plots of joint motions over time."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

@@ -1,5 +1,7 @@
 """Slices through maps of reach and dexterity."""
 
+from __future__ import annotations
+
 from pathlib import Path
 from typing import Any
 

@@ -1,5 +1,7 @@
 """A picture of all postures in which an arm takes one pose."""
 
+from __future__ import annotations
+
 import itertools
 import math
 from dataclasses import dataclass

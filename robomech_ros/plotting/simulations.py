@@ -1,5 +1,7 @@
 """A plot of a simulated motion: joints, energy and drive torques over time."""
 
+from __future__ import annotations
+
 from pathlib import Path
 
 from robomech_ros.dynamics import Simulation

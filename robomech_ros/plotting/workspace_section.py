@@ -1,5 +1,7 @@
 """A plot of the section of a workspace."""
 
+from __future__ import annotations
+
 from pathlib import Path
 from typing import Any
 

@@ -1,5 +1,7 @@
 """The commands of a servo."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 

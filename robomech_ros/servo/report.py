@@ -1,5 +1,7 @@
 """Servo report on a period: executed fraction of the command, and its limiting causes."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from enum import Enum
 

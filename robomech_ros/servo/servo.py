@@ -1,5 +1,7 @@
 """The servo itself: the last command, how old it is, and what becomes of it in the next period."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

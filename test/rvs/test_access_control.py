@@ -8,9 +8,8 @@ from robomech_ros.errors import BadValueError
 
 pytest.importorskip("viser")
 
-from robomech_ros.rvs import view
+from robomech_ros.rvs import AddressError, PortTakenError, view
 from robomech_ros.rvs.serving.access_control import AccessControl
-from robomech_ros.rvs.serving.server import AddressError, PortTakenError
 
 
 def test_the_address_brings_the_token_and_moves_on_without_it(page, client):

@@ -6,7 +6,6 @@ import errno
 import io
 import logging
 import math
-import os
 import socket
 import threading
 import time
@@ -18,9 +17,9 @@ import viser
 import websockets.asyncio.server
 from websockets.asyncio.server import ServerConnection
 
-from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.errors import BadValueError
 from robomech_ros.rvs.serving.access_control import AccessControl
-from robomech_ros.rvs.serving.address import GREATEST_PORT
+from robomech_ros.rvs.serving.address import GREATEST_PORT, AddressError, PortTakenError
 from robomech_ros.rvs.serving.messages import LONGEST_MESSAGE, is_acceptable
 from robomech_ros.rvs.serving.worker import Worker
 
@@ -34,26 +33,6 @@ _LOG = logging.getLogger(__name__)
 # Of messages to a browser that has just gone.
 warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
 _CONSTRUCTION = threading.Lock()
-
-
-class AddressError(RobomechError):
-    """The page cannot listen at an address, for a reason of the system."""
-
-    def __init__(self, host: str, port: int, error: OSError) -> None:
-        number = error.errno or 0
-        # Names that cannot be resolved have numbers of their own, below 0.
-        reason = os.strerror(number) if number > 0 else error.strerror
-        super().__init__(f"cannot listen on {host}:{port}: {reason}")
-
-
-class PortTakenError(RobomechError):
-    """Another program listens on a port."""
-
-    def __init__(self, host: str, port: int) -> None:
-        super().__init__(
-            f"port {port} of {host} is taken by another program; give another one "
-            "(0 takes a free one)"
-        )
 
 
 class CheckedConnection(ServerConnection):

@@ -29,7 +29,7 @@ STAND_IN = 0.03
 POINT = 1e-9
 
 
-class ShapeError(RobomechError):
+class _ShapeError(RobomechError):
     """A box, cylinder or sphere has sizes that no body has; the text says which."""
 
     def __init__(self, visual: Visual) -> None:
@@ -112,7 +112,7 @@ def load_visual_model(description: RobotDescription) -> VisualModel:
     for visual in read_visuals(document, description.where):
         try:
             bodies += _bodies(visual, folder)
-        except (MeshError, ShapeError) as error:
+        except (MeshError, _ShapeError) as error:
             missing.append(f"{visual.link}: {error}; a generated body stands for it")
             bare.add(visual.link)
     everywhere = generated_shapes(tree.root, tree.joints, ())
@@ -136,12 +136,12 @@ def _bodies(visual: Visual, folder: Path | None) -> list[BodyVisual]:
             for part in parts
         ]
     if not all(0.0 <= measure <= LARGEST_LENGTH for measure in visual.measures):
-        raise ShapeError(visual)
+        raise _ShapeError(visual)
     makers: dict[str, Callable[..., Solid]] = {"box": box, "cylinder": cylinder, "sphere": sphere}
     solid = makers[visual.kind](*visual.measures)
     # A flat one is seen, one without any width is not.
     if np.count_nonzero(np.ptp(solid.vertices, axis=0)) < 2:
-        raise ShapeError(visual)
+        raise _ShapeError(visual)
     return [BodyVisual(visual.link, visual.pose, solid, colour)]
 
 

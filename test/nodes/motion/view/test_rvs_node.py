@@ -29,7 +29,7 @@ from robomech_ros.nodes.rvs.node import RvsNode
 from robomech_ros.nodes.trajectory_planner.node import TrajectoryPlannerNode
 from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
 from robomech_ros.robots import load_description
-from robomech_ros.rvs.serving.server import PortTakenError
+from robomech_ros.rvs import PortTakenError
 
 ROBOT = "puma560"
 
