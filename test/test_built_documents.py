@@ -15,6 +15,7 @@ PAGES = sorted(BUILT.rglob("*.html"))
 SCENES = [page for page in PAGES if "__VISER_EMBED_DATA__" in page.read_text("utf-8")]
 READ = [page for page in PAGES if page not in SCENES]
 LARGEST_API_PAGE = 300_000  # bytes
+LONGEST = 1.0  # s to load a page
 WIDTH = 1280  # px
 DRAWN = 200  # colours of a shaded robot; an empty frame has one
 MISSING = importlib.util.find_spec("viser") is None
@@ -68,19 +69,38 @@ def test_all_columns_of_the_book_are_visible():
         assert tab.value(f"{boxes}.filter({clipped}).length") == 0
 
 
-def test_all_formulas_are_shown():
+def test_every_page_shows_its_formulas_within_a_second():
+    """A second of the processor: others may use the machine."""
     with opened(BUILT / "index.html") as tab:
-        pages = [page for page in READ if 'class="math ' in page.read_text("utf-8")]
-        assert len(pages) > 30
-        for page in pages:
+        tab.send("Performance.enable", timeDomain="threadTicks")
+        spent, shown = busy(tab), 0
+        for page in READ:
             tab.open(page.as_uri())
-            tab.wait_for(f"document.URL.endsWith('{page.name}')")
-            tab.wait_for("window.MathJax && MathJax.startup && MathJax.startup.promise")
-            tab.value("MathJax.startup.promise.then(() => true)")
-            left = "[...document.querySelectorAll('.math')].filter(m => !m.querySelector('svg'))"
-            assert tab.value(f"{left}.map(m => m.textContent)") == [], page.name
-            wrong = "[data-mml-node=merror]"
-            assert tab.value(f"document.querySelectorAll('{wrong}').length") == 0, page.name
+            tab.wait_for(
+                f"document.URL === '{page.as_uri()}' && document.readyState === 'complete'"
+            )
+            if 'class="math ' in page.read_text("utf-8"):
+                check_formulas(tab, page.name)
+                shown += 1
+            before, spent = spent, busy(tab)
+            assert spent - before < LONGEST, page.name
+        assert shown > 30
+
+
+def busy(tab):
+    """Return the time (s) that the thread of the pages has computed."""
+    found = tab.send("Performance.getMetrics")["metrics"]
+    return next(one["value"] for one in found if one["name"] == "TaskDuration")
+
+
+def check_formulas(tab, name):
+    """Wait until the formulas of a page are drawn, and look for those that are not."""
+    tab.wait_for("window.MathJax && MathJax.startup && MathJax.startup.promise")
+    tab.value("MathJax.startup.promise.then(() => true)")
+    left = "[...document.querySelectorAll('.math')].filter(m => !m.querySelector('svg'))"
+    assert tab.value(f"{left}.map(m => m.textContent)") == [], name
+    wrong = "[data-mml-node=merror]"
+    assert tab.value(f"document.querySelectorAll('{wrong}').length") == 0, name
 
 
 def test_the_search_finds_a_function():

@@ -107,7 +107,7 @@ class Scene(SphinxDirective):
         if not self._path(file).is_file():
             raise self.error(f"no cell of this notebook has written {file}")
         self.env.metadata[self.env.docname].setdefault("scenes", []).append(file)
-        frame = f'<iframe class="scene" src="{file}" title="{file}" loading="lazy"></iframe>'
+        frame = f'<iframe class="scene" data-src="{file}" title="{file}"></iframe>'
         caption = nodes.caption()
         self.state.nested_parse(self.content, self.content_offset, caption)
         return [nodes.raw("", frame, format="html"), *caption.children]
