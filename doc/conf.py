@@ -19,7 +19,7 @@ release = version = _found[1] if _found else ""
 sys.path.insert(0, str(Path(__file__).with_name("extensions")))
 extensions = [
     "myst_nb", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx.ext.napoleon",
-    "api_pages", "api_links", "notebooks",
+    "api_pages", "api_links", "notebooks", "search_words",
 ]  # fmt: skip
 source_suffix = {".md": "myst-nb", ".rst": "restructuredtext"}
 exclude_patterns = ["_build", "extensions", "jupyter_execute"]

@@ -6,9 +6,14 @@ import sys
 import time
 from contextlib import contextmanager
 from pathlib import Path
+from urllib.parse import quote
 
 import pytest
 from PIL import Image
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "doc" / "extensions"))
+
+from search_words import PAGES as PAGES_BY_WORDS
 
 BUILT = Path(__file__).resolve().parent.parent / "doc" / "_build"
 PAGES = sorted(BUILT.rglob("*.html"))
@@ -103,10 +108,27 @@ def check_formulas(tab, name):
     assert tab.value(f"document.querySelectorAll('{wrong}').length") == 0, name
 
 
-def test_the_search_finds_a_function():
+def test_the_search_lists_the_page_that_answers_first():
+    questions = {word: page for page, words in PAGES_BY_WORDS.items() for word in words}
+    assert len(questions) > 30
     with opened(BUILT / "search.html") as tab:
-        tab.open(f"{(BUILT / 'search.html').as_uri()}?q=inverse_kinematics")
-        tab.wait_for("document.querySelector('#search-results li a')")
+        for word, page in {**questions, "inverse_kinematics": "api/kinematics"}.items():
+            tab.open(f"{(BUILT / 'search.html').as_uri()}?q={quote(word)}")
+            first = "document.querySelector('#search-results li > a').getAttribute('href')"
+            arrived = f"document.URL.endsWith('?q={quote(word)}')"
+            tab.wait_for(f"{arrived} && document.querySelector('#search-results li > a')")
+            assert tab.value(first).startswith(f"{page}.html"), word
+
+
+def test_newcomers_reach_the_page_that_answers_in_three_clicks():
+    """From the first page, by links in the text alone."""
+    reached = {BUILT / "index.html"}
+    for _ in range(3):
+        for page in list(reached):
+            text = page.read_text("utf-8").partition("<article")[2]
+            targets = re.findall(r'href="([^":#]+\.html)', text)
+            reached |= {(page.parent / target).resolve() for target in targets}
+    assert [page for page in PAGES_BY_WORDS if BUILT / f"{page}.html" not in reached] == []
 
 
 def test_at_least_five_notebooks_have_scenes():
