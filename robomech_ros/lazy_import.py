@@ -19,7 +19,7 @@ def lazy_exports(package: str, names: dict[str, Any]) -> tuple[Callable[[str], A
     package : str
         Its ``__name__``.
     names : dict
-        Its ``globals()``, where a name is kept after its first use.
+        Its ``globals()``, where a name is kept after its first use.  ``dir`` lists all.
     """
     found = _IMPORT.findall(Path(names["__file__"]).read_text(encoding="utf-8"))
     homes = {name: module for module, listed in found for name in _NAME.findall(listed)}
@@ -30,4 +30,5 @@ def lazy_exports(package: str, names: dict[str, Any]) -> tuple[Callable[[str], A
         names[name] = getattr(import_module(homes[name]), name)
         return names[name]
 
+    names["__dir__"] = lambda: sorted({*names, *homes})
     return load, sorted(homes)

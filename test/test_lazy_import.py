@@ -28,6 +28,7 @@ def test_everything_exported_is_there_under_a_name_of_its_own(package):
     assert not modules & set(package.__all__)
     for_types = re.findall(r"(\w+) as \1\b", inspect.getsource(package))
     assert package.__all__ == sorted(for_types)
+    assert set(package.__all__) <= set(dir(package))
     for name in package.__all__:
         assert getattr(package, name).__class__.__name__ != "module"
     with pytest.raises(AttributeError, match="has no attribute 'nothing'"):

@@ -57,7 +57,8 @@ class MissingInertiaError(RobomechError):
         self.joints = tuple(joints)
         super().__init__(
             f"no mass and inertia of links {listed(self.links)}, which joints "
-            f"{listed(self.joints)} move; give them in the robot's description"
+            f"{listed(self.joints)} move; give them in the robot's description, "
+            "or as bodies= of chain_from_dh"
         )
 
 

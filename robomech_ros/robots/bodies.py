@@ -101,17 +101,32 @@ def possible_body(what: str, body: object) -> Body:
     if not isinstance(body, Body):
         raise BadValueError(what, body, "a Body")
     if fault := body.fault():
-        raise BadValueError(what, body.mass, f"a possible body; {fault}")
+        raise BadValueError(what, f"{body.mass:g} kg", f"a possible body; {fault}")
     return body
 
 
 def combine_bodies(bodies: Iterable[Body]) -> Body | None:
     """Make one body of several that are fixed to each other, all seen in one frame.
 
+    Parameters
+    ----------
+    bodies : iterable of Body
+        Each with its mass (kg), its mass centre (m) in the frame, and its moments of inertia
+        (kg m^2) about its own mass centre, in the axes of the frame.
+
     Returns
     -------
     Body or None
-        None where there are none.
+        With the moments about the common mass centre; None where there are none.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.robots import Body, combine_bodies
+    >>> two = [Body(1.0, [x, 0.0, 0.0], np.zeros((3, 3))) for x in (0.0, 0.4)]
+    >>> dumbbell = combine_bodies(two)
+    >>> dumbbell.mass, dumbbell.com[0], round(float(dumbbell.inertia[2, 2]), 6)
+    (2.0, 0.2, 0.08)
     """
     parts = listed("bodies", bodies, "a list of bodies")
     for part in parts:
@@ -176,7 +191,9 @@ def pack_bodies(
         assert body is not None
         if fault := body.fault():
             names = " and ".join(links[i])
-            raise BadValueError(f"inertia of {names}", body.mass, f"a possible body; {fault}")
+            raise BadValueError(
+                f"body of {names}", f"{body.mass:g} kg", f"a possible body; {fault}"
+            )
         rows[i, 0] = body.mass
         rows[i, 1:4] = body.com
         rows[i, 4:] = body.inertia[np.triu_indices(3)]

@@ -68,7 +68,8 @@ def as_rotation(
         raise BadValueError(
             f"{what}{where}",
             m[index].tolist(),
-            f"determinant 1 and columns orthonormal within {tolerance:g} (found: {how})",
+            f"determinant 1 and columns orthonormal within {tolerance:g} (found: {how}); "
+            "spatial.nearest_rotation removes rounding",
         )
     rounded = error > ORTHOGONAL
     if rounded.any():

@@ -22,15 +22,17 @@ _compose = direct(conversions.compose)
 _interpolate = direct(conversions.interpolate)
 
 
-def compose_rotations(second: ArrayLike, first: ArrayLike, representation: str) -> Array:
+def compose_rotations(
+    second: ArrayLike, first: ArrayLike, representation: str = "matrix"
+) -> Array:
     """Compose two rotations: the first is done first, ``Q = Q_second Q_first``.
 
     Parameters
     ----------
     second, first : array_like
         Both in the same representation; one may serve for a batch of the other.
-    representation : str
-        As for :func:`convert_rotation`.
+    representation : str, optional
+        As for :func:`convert_rotation`; default ``"matrix"``.
 
     Returns
     -------

@@ -99,7 +99,8 @@ def acceleration_pole(
 ) -> Array:
     """Find the point of a body that has no acceleration.
 
-    There is one unless angular velocity and acceleration are parallel or zero.
+    There is one unless angular velocity and acceleration are parallel or zero.  If they are
+    parallel and the point accelerates across them, as in a plane, there is a line of such points.
 
     Parameters
     ----------
@@ -113,7 +114,7 @@ def acceleration_pole(
     Returns
     -------
     ndarray, shape (..., 3)
-        In m; NaN where there is none, or not only one.
+        In m; of a line of points the one nearest to the reference.  NaN where there is none.
 
     References
     ----------
@@ -127,6 +128,13 @@ def acceleration_pole(
     with np.errstate(over="ignore", invalid="ignore"):
         sizes = [np.linalg.norm(one, axis=-1) for one in (w, dw, cross(w, dw))]
         there = (sizes[2] > _PARALLEL * sizes[0] * sizes[1]) & (sizes[2] > 0.0)
+        # Along a common axis of both rotations nothing may accelerate.
+        axis = np.where((sizes[0] ** 2 > sizes[1])[..., None], w, dw)
+        axis = axis / np.linalg.norm(axis, axis=-1, keepdims=True)
+        along = np.abs((axis * linear).sum(axis=-1))
+        level = ~there & (along <= _PARALLEL * np.linalg.norm(linear, axis=-1))
+        matrix[level] += (axis[..., :, None] * axis[..., None, :])[level]
+        there |= level
         matrix[~there] = np.eye(3)
         pole = a - np.linalg.solve(matrix, linear[..., None])[..., 0]
     pole = np.where(there[..., None], pole, np.nan)
