@@ -55,6 +55,16 @@ def test_the_index_lists_every_notebook():
     assert sorted(rows) == [page.stem for page in NOTEBOOKS]
 
 
+def test_the_page_of_the_book_links_each_section_to_its_notebooks():
+    book = (FOLDER.parent / "book.md").read_text("utf-8")
+    linked = dict(re.findall(r"^\| ([0-9AB][0-9.]*) \|.*\|(.*)\|$", book, re.MULTILINE))
+    index = (FOLDER / "index.md").read_text("utf-8")
+    for sections, notebook in re.findall(r"^\| (.+?) \| \[.+?\]\((\w+)\.md\)", index, re.MULTILINE):
+        for section in sections.split(", "):
+            rows = [row for number, row in linked.items() if f"{number}.".startswith(f"{section}.")]
+            assert any(f"notebooks/{notebook}.md" in row for row in rows), (section, notebook)
+
+
 @pytest.mark.parametrize("page", NOTEBOOKS, ids=lambda page: page.stem)
 def test_a_scene_is_written_by_a_cell(page):
     text = page.read_text("utf-8")
