@@ -125,8 +125,8 @@ def combine_bodies(bodies: Iterable[Body]) -> Body | None:
     >>> from robomech_ros.robots import Body, combine_bodies
     >>> two = [Body(1.0, [x, 0.0, 0.0], np.zeros((3, 3))) for x in (0.0, 0.4)]
     >>> dumbbell = combine_bodies(two)
-    >>> dumbbell.mass, dumbbell.com[0], round(float(dumbbell.inertia[2, 2]), 6)
-    (2.0, 0.2, 0.08)
+    >>> dumbbell.mass, dumbbell.com.tolist(), round(float(dumbbell.inertia[2, 2]), 6)
+    (2.0, [0.2, 0.0, 0.0], 0.08)
     """
     parts = listed("bodies", bodies, "a list of bodies")
     for part in parts:

@@ -154,20 +154,24 @@ def describe_continuum(
     listed = "of this continuum these are samples"
     if not sampled:
         listed = "every branch of this continuum is represented by one posture"
+    # A redundant arm can move in other postures, too.
+    elsewhere = _still_motions(chain, T, q[0] + np.linspace(0.3, 0.7, chain.n), task, least=0)
+    word = "redundant" if len(elsewhere) >= len(ways[0]) else "singular"
     return (
-        f"singular: joint{'s' * (len(joints) > 1)} {_and(joints)} can move while the tip stays, "
+        f"{word}: joint{'s' * (len(joints) > 1)} {_and(joints)} can move while the tip stays, "
         f"at the nearest such solution in the direction {directions}; {listed}"
     )
 
 
-def _still_motions(chain: SerialChain, T: Array, q: Array, task: Task) -> Array:
+def _still_motions(chain: SerialChain, T: Array, q: Array, task: Task, least: int = 1) -> Array:
     """Return unit vectors, shape (k, n), that span the joint motions that keep the task at rest.
 
-    At least the least moving one; what is rounding is zero, the largest entry of each positive.
+    At least so many of the least moving ones; what is rounding is zero, the largest entry of each
+    positive.
     """
     _, values, rows = np.linalg.svd(task_jacobian(chain, T, task, q)[0])
     lost = values < STILL * values[0]
-    lost[-1] = True
+    lost[len(lost) - least :] = True
     still = rows[: len(values)][lost]
     still[np.abs(still) < MOVES_IN_CONTINUUM] = 0.0
     largest = np.abs(still).argmax(axis=1)

@@ -22,9 +22,7 @@ _compose = direct(conversions.compose)
 _interpolate = direct(conversions.interpolate)
 
 
-def compose_rotations(
-    second: ArrayLike, first: ArrayLike, representation: str = "matrix"
-) -> Array:
+def compose_rotations(second: ArrayLike, first: ArrayLike, representation: str = "matrix") -> Array:
     """Compose two rotations: the first is done first, ``Q = Q_second Q_first``.
 
     Parameters

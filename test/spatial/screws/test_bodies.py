@@ -33,7 +33,9 @@ def test_the_pole_has_no_acceleration():
     level = spatial.acceleration_pole([1.0, 0.0, 0.3], [0.0, 2.0, 0.0], [0, 0, 2.0], [0, 0, 1.0])
     planar = np.linalg.solve([[-4.0, -1.0], [1.0, -4.0]], [0.0, -2.0])
     np.testing.assert_allclose(level, [1.0 + planar[0], planar[1], 0.3], atol=1e-12)
-    assert np.isnan(spatial.acceleration_pole([0, 0, 0], [0, 0, 1.0], [0, 0, 2.0], [0, 0, 1.0])).all()
+    assert np.isnan(
+        spatial.acceleration_pole([0, 0, 0], [0, 0, 1.0], [0, 0, 2.0], [0, 0, 1.0])
+    ).all()
 
 
 def test_motion_in_moving_axes_is_the_derivative_of_the_position():
