@@ -37,7 +37,7 @@ def test_missing_inertias_are_named():
 )
 def test_impossible_bodies_are_refused_with_the_reason(mass, moments, text):
     chain = chain_from_dh([1], [0], [0], bodies=[Body(mass, [0, 0, 0], np.diag(moments))])
-    with pytest.raises(BadValueError, match=f"inertia of link_1 and tool0 .*{text}"):
+    with pytest.raises(BadValueError, match=f"body of link_1 and tool0 .*{text}"):
         gravity_torque(chain, [0.0])
 
 

@@ -137,7 +137,7 @@ def test_what_is_missing_is_named():
 
 def test_numbers_that_no_body_has_are_kept_for_kinematics_and_refused_by_dynamics():
     chain = load_robot(TREE.replace('value="0.7"', 'value="-0.7"'), tip="tool")
-    with pytest.raises(BadValueError, match="inertia of hand and tool .*its mass is -0.7 kg"):
+    with pytest.raises(BadValueError, match="body of hand and tool .*its mass is -0.7 kg"):
         _ = chain.packed_bodies
 
 

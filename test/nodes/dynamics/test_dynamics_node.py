@@ -250,7 +250,7 @@ def test_impossible_numbers_are_refused_where_they_are_used(graph):
     graph.start(DynamicsNode, robot_description=heavy)
     answer = inverse(graph, [point(0.0)])
     assert answer.error_code == ErrorCode.BAD_VALUE
-    assert "inertia of rod and tool0" in answer.error_msg
+    assert "body of rod and tool0" in answer.error_msg
     assert "at most the sum of the others" in answer.error_msg
 
 
