@@ -21,7 +21,8 @@ def documented():
         for package in pkgutil.iter_modules(robomech_ros.__path__)
         if package.ispkg and package.name not in ("_kernels", "nodes")
     ]
-    for package in (*packages, "dynamics.symbolic", "kinematics.equations", "parallel.equations"):
+    packages += ["dynamics.symbolic", "kinematics.equations", "kinematics.oracles"]
+    for package in (*packages, "parallel.equations"):
         module = import_module(f"robomech_ros.{package}")
         for name in getattr(module, "__all__", ()):
             value = getattr(module, name)

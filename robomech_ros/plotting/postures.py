@@ -89,6 +89,16 @@ def plot_postures(
     ------
     BadValueError, WrongSizeError
         No posture or too many, or values that do not fit the chain.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from robomech_ros.plotting import plot_postures
+    >>> from robomech_ros.robots import load_robot
+    >>> with TemporaryDirectory() as folder:
+    ...     plot_postures(Path(folder, "arm.png"), load_robot("puma560"), [[0.0] * 6]).name
+    'arm.png'
     """
     postures = np.asarray(q, dtype=np.float64)
     if postures.ndim != 2 or postures.shape[1] != chain.n:

@@ -54,6 +54,19 @@ class Servo:
     is commanded. With a ``guard`` it slows down before contact, and proves every plan to stop free
     of contact. Raises MissingLimitsError for a joint without a velocity limit, BadValueError for a
     chain without joints.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.robots import load_robot
+    >>> from robomech_ros.servo import JointCommand, Servo, ServoSettings
+    >>> arm = load_robot("ur5e")
+    >>> servo = Servo(arm, ServoSettings(period=0.01))
+    >>> servo.start(arm.home(), np.zeros(6))
+    >>> servo.take(JointCommand(np.array([0.1, 0, 0, 0, 0, 0]), until=1.0))
+    >>> reports = [servo.step(0.01 * k) for k in range(1, 51)]  # it accelerates, then follows
+    >>> reports[0].condition.value, reports[-1].condition.value
+    ('rate bound', 'no warning')
     """
 
     def __init__(self, chain: SerialChain, settings: ServoSettings) -> None:

@@ -32,7 +32,9 @@ def torque_regressor(
     base_twist: ArrayLike | None = None,
     base_twist_rate: ArrayLike | None = None,
 ) -> Array:
-    """Compute the matrix Y by which the bodies' parameters give the torques.
+    r"""Compute the matrix Y by which the bodies' parameters give the torques.
+
+    .. math:: \tau = Y(q, \dot q, \ddot q)\, p
 
     :func:`inverse_dynamics` is ``Y p``, with p the rows of :func:`body_parameters` one after the
     other, plus the rotors' reflected inertias times qdd.  The chain needs no bodies for it, and the
@@ -51,6 +53,16 @@ def torque_regressor(
     References
     ----------
     Atkeson, An, Hollerbach, Int. J. Robotics Research 5, 1986.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.dynamics import body_parameters, inverse_dynamics, torque_regressor
+    >>> from robomech_ros.robots import load_robot
+    >>> arm, state = load_robot("planar3r"), np.ones((3, 3))
+    >>> Y = torque_regressor(arm, *state)
+    >>> np.allclose(Y @ body_parameters(arm).ravel(), inverse_dynamics(arm, *state))
+    True
     """
     q, qd, qdd = as_states(chain, ("q", "qd", "qdd"), q, qd, qdd)
     around = surroundings(q.shape, gravity, None, base_twist, base_twist_rate)

@@ -88,7 +88,9 @@ def simulate(
     events: Sequence[Event] = (),
     times: ArrayLike | None = None,
 ) -> Simulation:
-    """Integrate the motion of a chain or a parallel robot, with the friction of its joints.
+    r"""Integrate the motion of a chain or a parallel robot, with the friction of its joints.
+
+    .. math:: I(q)\, \ddot q = \tau - C(q, \dot q)\, \dot q - \gamma(q) - \delta(\dot q)
 
     Parameters
     ----------

@@ -96,6 +96,16 @@ def solve_bivariate(chain: SerialChain, T: ArrayLike, *, steps: int = 240) -> li
     -------
     list of Intersection
         By increasing joint 3.  A singular posture, where the contours touch, stands once.
+
+    Examples
+    --------
+    >>> from robomech_ros.kinematics import forward_kinematics
+    >>> from robomech_ros.kinematics.oracles import solve_bivariate
+    >>> from robomech_ros.robots import load_robot
+    >>> diestro = load_robot("diestro")
+    >>> T = forward_kinematics(diestro, [0.3, 1.2, -1.4, 1.1, -2.0, 0.7])
+    >>> len(solve_bivariate(diestro, T))
+    4
     """
     count = real_number("steps", steps, f"a whole number from {_FEWEST_STEPS} on")
     if not (count >= _FEWEST_STEPS and float(count).is_integer()):

@@ -205,6 +205,15 @@ def reach_map(
     ----------
     Zacharias, Borst and Hirzinger, Capturing robot workspace structure: representing robot
     capabilities, IEEE/RSJ Int. Conf. on Intelligent Robots and Systems, 2007.
+
+    Examples
+    --------
+    >>> from robomech_ros.kinetostatics import reach_map
+    >>> from robomech_ros.robots import load_robot
+    >>> corners = {"lower": [0.4, 0.0, 0.3], "upper": [2.0, 0.0, 0.3]}
+    >>> found = reach_map(load_robot("puma560"), **corners, shape=2, orientations=8, length=0.3)
+    >>> found.dexterity.shape
+    (2, 2, 2)
     """
     check_chain(chain)
     grid, rotations = as_grid(lower, upper, spacing, shape), as_orientations(orientations)

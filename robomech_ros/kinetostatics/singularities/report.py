@@ -143,7 +143,12 @@ class SingularityReports:
 def singularity_report(
     chain: SerialChain, q: ArrayLike, *, point: ArrayLike = TIP, length: float | None = None
 ) -> SingularityReport | SingularityReports:
-    """Say what the tip can do in a posture, or in each of many, and what not.
+    r"""Say what the tip can do in a posture, or in each of many, and what not.
+
+    .. math:: \mathrm{rank}\,J(q) < \max_q \mathrm{rank}\,J(q)
+
+    The whole twist is judged: for an arm of three joints that only positions, see ``part`` of
+    :func:`condition_number`.
 
     Parameters
     ----------

@@ -221,7 +221,9 @@ def _joint_of(curve: BoundaryCurve) -> int:
 
 
 def workspace_boundary(chain: SerialChain, *, respect_limits: bool = True) -> Workspace:
-    """Find the boundary of what the positioning part of an arm reaches.
+    r"""Find the boundary of what the positioning part of an arm reaches.
+
+    .. math:: \det\,[e_1 \times r_1,\; e_2 \times r_2,\; e_3 \times r_3] = 0
 
     The part is the first three joints, and the point is what they place: the centre of a
     spherical wrist, or the tip of an arm of three joints.  Its singular postures, and those with

@@ -34,6 +34,14 @@ class PiecewisePolynomial:
     coefficients : ndarray, shape (order + 1, max(s, 1), n)
         Power coefficients, lowest power first; rad or m over s to the power of the first index.
         The order is 9 at most.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from robomech_ros.trajectory import PiecewisePolynomial
+    >>> square = PiecewisePolynomial(np.array([0.0, 2.0]), np.array([[[1.0]], [[0.0]], [[1.0]]]))
+    >>> square.sample(1.5).position, square.sample(1.5).velocity
+    (array([3.25]), array([3.]))
     """
 
     breaks: Array
