@@ -78,7 +78,7 @@ def test_every_page_shows_its_formulas_within_a_second():
     """A second of the processor: others may use the machine."""
     with opened(BUILT / "index.html") as tab:
         tab.send("Performance.enable", timeDomain="threadTicks")
-        spent, shown = busy(tab), 0
+        shown = 0
         for page in READ:
             tab.open(page.as_uri())
             tab.wait_for(
@@ -87,13 +87,12 @@ def test_every_page_shows_its_formulas_within_a_second():
             if 'class="math ' in page.read_text("utf-8"):
                 check_formulas(tab, page.name)
                 shown += 1
-            before, spent = spent, busy(tab)
-            assert spent - before < LONGEST, page.name
+            assert 0.0 < busy(tab) < LONGEST, page.name
         assert shown > 30
 
 
 def busy(tab):
-    """Return the time (s) that the thread of the pages has computed."""
+    """Return the time (s) that the thread of a page has computed since it was opened."""
     found = tab.send("Performance.getMetrics")["metrics"]
     return next(one["value"] for one in found if one["name"] == "TaskDuration")
 
