@@ -5,7 +5,6 @@ format, puts the ``title`` above it, and returns the path. Without matplotlib, i
 PlottingUnavailableError. Each part is loaded on first use.
 """
 
-
 from typing import TYPE_CHECKING
 
 from robomech_ros.lazy_import import lazy_exports
