@@ -2,13 +2,14 @@
 
 from dataclasses import dataclass
 
+from robomech_ros.nodes.common.robot.floating_base import FloatingSettings
 from robomech_ros.nodes.common.parameters import parameter
 from robomech_ros.nodes.common.robot.gripper_names import GripperNames
 from robomech_ros.rvs.serving.address import GREATEST_PORT, HOST, PORT
 
 
 @dataclass(frozen=True)
-class RvsSettings(GripperNames):
+class RvsSettings(FloatingSettings, GripperNames):
     """Parameters of the node."""
 
     port: int = parameter(PORT, "Port of the page; 0 = a free port", (0, GREATEST_PORT))

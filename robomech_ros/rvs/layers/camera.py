@@ -42,9 +42,10 @@ def fit_view(place: LayerContext, client: Any) -> None:
 
 
 def all_points(place: LayerContext) -> Array:
-    """Return points (k, 3) around everything shown, in the root (m)."""
+    """Return points (k, 3) around everything shown, over the ground (m)."""
     extents = [extent() for extent in place.extents.values()]
-    return np.vstack([shown_points(place), *extents])
+    T = place.root_pose()
+    return np.vstack([shown_points(place), *extents]) @ T[:3, :3].T + T[:3, 3]
 
 
 def shown_points(place: LayerContext) -> Array:

@@ -174,6 +174,10 @@ class LiveLayer(LivePage):
             self._place.ask("goal", self._follow)
         self._leave_behind(self._goal.is_behind)
 
+    def show_base(self, T: Array) -> None:
+        """Draw the robot, its goal and all that is in its base with the base at a pose (m)."""
+        self._place.move_base(T)
+
     def _show_fingers(self, positions: Mapping[str, float]) -> None:
         """Give the goal the fingers of the robot, if they have moved."""
         gripper = self._robot.gripper

@@ -109,6 +109,10 @@ class LayerContext:
     fade: Callable[[bool], None]
     #: Gives the name of the node of a link.
     path: Callable[[str], str]
+    #: Puts the base of the arm at a pose (4, 4) over the ground (m), on any thread.
+    move_base: Callable[[Array], None]
+    #: Gives the pose (4, 4) of the root (m).
+    root_pose: Callable[[], Array]
     #: In which angles are written.
     units: Units
     #: Callables of layers that give points (k, 3) (m) in the root, which are to be in the picture.

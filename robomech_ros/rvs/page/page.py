@@ -109,6 +109,8 @@ class RobotPage(ServedPage):
             separate=self._stage.separate,
             fade=self._stage.fade,
             path=self._stage.path,
+            move_base=self._stage.move_base,
+            root_pose=lambda: self._stage.root_pose,
             units=self._units,
         )
         self._layers = [make(place) for make in self._makers]

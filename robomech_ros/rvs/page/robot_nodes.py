@@ -29,13 +29,14 @@ class RobotNodes:
 
     - ``root``: name of the node above all links.
     - ``tint``: one colour for all bodies, from 0 to 1 with alpha; default their own.
+    - ``node``: the node above all links, viser.FrameHandle.
     """
 
     def __init__(
         self, scene: Any, seen: VisualModel, root: str = ROOT, tint: Colour | None = None
     ) -> None:
         self._scene, self._seen, self._root, self._tint = scene, seen, root, tint
-        self._whole = scene.add_frame(root, show_axes=False)
+        self.node = scene.add_frame(root, show_axes=False)
         self._nodes: dict[str, Any] = {}
         self._axes: list[Any] = []
         self._paths: dict[str, str] = {}
@@ -119,8 +120,8 @@ class RobotNodes:
 
     def show(self, shown: bool) -> None:
         """Show the robot, or not."""
-        if self._whole.visible != shown:
-            self._whole.visible = shown
+        if self.node.visible != shown:
+            self.node.visible = shown
 
     def show_frames(self, shown: bool) -> None:
         """Show the frame of every link, or none."""

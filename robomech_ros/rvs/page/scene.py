@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from robomech_ros.rvs.model.bodies.visual_model import VisualModel
 from robomech_ros.rvs.model.draggable import DraggableRobot
 from robomech_ros.rvs.model.ghosts import PALETTE
@@ -12,6 +14,8 @@ from robomech_ros.rvs.page.robot_nodes import MARKED, RobotNodes
 from robomech_ros.rvs.page.surroundings import add_surroundings
 from robomech_ros.rvs.page.tables import notice, posture_table, summary
 from robomech_ros.rvs.page.units import Units
+from robomech_ros.spatial.poses import inverse_pose
+from robomech_ros.typing import Array
 
 # The node at the base of the arm, in which its poses are.
 BASE = "/base"
@@ -28,13 +32,16 @@ class PageScene:
 
     def __init__(self, server: Any, seen: VisualModel, moved: DraggableRobot, units: Units) -> None:
         self._server, self._seen, self._units = server, seen, units
+        # Pose of the root over the ground (m).
+        self.root_pose = np.eye(4)
         scene, gui = server.scene, server.gui
         with server.atomic():
             # Beside the scene, not over it.
             gui.main_panel.dock_right()
             self._ground = add_surroundings(server, max(seen.reach, 0.5 * moved.room))
             self._robot = self._arm = RobotNodes(scene, seen)
-            add_base(scene, seen, moved.base)
+            self._base_node = add_base(scene, seen, moved.base)
+            self._to_root = inverse_pose(seen.tree.link_poses()[moved.base])
             self.ghosts = GhostNodes(NodeSpace(scene, BASE, seen.reach), moved.ghosts(seen))
             self._summary = units.html(gui, order=0)
             self._notice = units.html(gui, order=1)
@@ -72,6 +79,15 @@ class PageScene:
             self._arm = RobotNodes(self._server.scene, self._seen, GOAL_ROOT, GOAL_TINT)
         return self._robot, self._arm
 
+    def move_base(self, T: Array) -> None:
+        """Put the base of the arm, with all that is drawn in it, at a pose (4, 4) (m)."""
+        self.root_pose = root = T @ self._to_root
+        nodes = (self._robot.node, root), (self._arm.node, root), (self._base_node, T)
+        with self._server.atomic():
+            for node, pose in nodes:
+                at = placed(pose)
+                node.position, node.wxyz = at["position"], at["wxyz"]
+
     def fade(self, faded: bool) -> None:
         """Draw the robot translucent, or as it is."""
         self._robot.fade(faded)
@@ -92,6 +108,6 @@ class PageScene:
             self._ground.visible = shown
 
 
-def add_base(scene: Any, seen: VisualModel, base: str) -> None:
-    """Add the node at the base of an arm, a link."""
-    scene.add_frame(BASE, show_axes=False, **placed(seen.tree.link_poses()[base]))
+def add_base(scene: Any, seen: VisualModel, base: str) -> Any:
+    """Add the node (viser.FrameHandle) at the base of an arm, a link."""
+    return scene.add_frame(BASE, show_axes=False, **placed(seen.tree.link_poses()[base]))

@@ -10,6 +10,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 pytest.importorskip("viser")
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "rvs"))
@@ -17,11 +18,15 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "rvs"))
 from browsers import Browser, hold_until
 from raw_client import wait_until
 
+from robomech_ros.nodes.common.pose_messages import matrix_from_pose
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.mobile_base.node import MobileBaseNode
 from robomech_ros.nodes.rvs.node import RvsNode
 from robomech_ros.nodes.walker.node import WalkerNode
 from robomech_ros.rolling import list_rolling
+from robomech_ros.rvs.layers.camera import all_points
+from robomech_ros.rvs.model.camera import visible_points
+from robomech_ros.spatial import matrix_from_quaternion
 from robomech_ros.walking import list_legged
 
 JOG_DIRECTIONS = {"linear 0": "base_x", "linear 1": "base_y", "angular 2": "base_heading"}
@@ -263,3 +268,30 @@ def test_wild_jogs_are_refused(graph, browse, text):
     browser.set(browser.layer._pads[0].handle, text)
     wait_until(lambda: "Refused" in browser.said())
     assert not browser.node._robot.jogs and not place(browser).any()
+
+
+def test_an_arm_is_drawn_on_its_floating_base(graph, browse):
+    graph.start(JointTrajectoryControllerNode, robot_description="canadarm2")
+    browser = browse(graph.start(RvsNode, robot_description="canadarm2", port=0))
+    wait_until(lambda: not browser.said("state") and browser.layer._goal._robot is not None)
+    q = browser.layer._goal._robot.copy()
+    point = JointTrajectoryPoint(positions=(q + [0.4, 0.3, 0, 0, 0, 0, 0]).tolist())
+    point.time_from_start.sec = 12
+    names = list(browser.page._arm.chain.joint_names)
+    topic = "joint_trajectory_controller/joint_trajectory"
+    sender = graph.client.create_publisher(JointTrajectory, topic, 10)
+    wait_until(sender.get_subscription_count)
+    sender.publish(JointTrajectory(joint_names=names, points=[point]))
+    wait_until(lambda: np.allclose(browser.layer._goal._robot, point.positions, atol=1e-6))
+    odometry = graph.receive(Odometry, "odom", 10, lambda _: True)
+    T = matrix_from_pose(odometry.pose.pose)
+    assert np.abs(T - np.eye(4)).max() > 0.02
+    # Robot, goal, ghosts and gizmo hang below these three nodes.
+    stage = browser.page._stage
+    for node in (stage._robot.node, stage._arm.node, stage._base_node):
+        wait_until(lambda node=node: np.allclose(node.position, T[:3, 3], atol=1e-9))
+        w, *xyz = node.wxyz
+        np.testing.assert_allclose(matrix_from_quaternion([*xyz, w]), T[:3, :3], atol=1e-9)
+    seen = visible_points(stage._seen, [browser.page._arm.positions])
+    around = all_points(browser.page._layers[0]._place)
+    np.testing.assert_allclose(around[: len(seen)], seen @ T[:3, :3].T + T[:3, 3], atol=1e-9)
