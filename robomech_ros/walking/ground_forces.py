@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 
 import numpy as np
 from scipy.sparse import csc_matrix
@@ -14,7 +14,7 @@ from robomech_ros.hands.conic_solver import conic_solver
 from robomech_ros.hands.force_program import solver_settings
 from robomech_ros.spatial import cross_product_matrix
 from robomech_ros.spatial.arrays import as_choice, as_single, check_kind, finite_within
-from robomech_ros.typing import Array, ArrayLike
+from robomech_ros.typing import Array, ArrayLike, BoolArray, IntArray
 from robomech_ros.walking.robot import LeggedRobot
 from robomech_ros.walking.stance_mechanism import contact_rows
 
@@ -26,7 +26,9 @@ _OPEN = 1e-7
 # Least scale of the unknowns.
 _LEAST_SIZE = 1e-6
 # Residual of rounding, as a part of the load; part by which the solver's cones are narrower.
-_BALANCED, _NARROWER = 1e-9, 1e-8
+_BALANCED = 1e-9
+_SCALED = np.array([[1.0 - 1e-8], [1.0], [1.0]])
+_MOST_KEPT = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,75 +71,100 @@ class _Share:
 
     def solve(self) -> Array | None:
         """Return the forces (3 s,), or None if there are none."""
-        W = self.G @ self.L
-        needed = self.load - self.G @ self.offset
+        W, needed = self._balance()
+        U, values, Vt = np.linalg.svd(W)
+        rank = int((values > _BALANCED * values[0]).sum())
+        z = ((needed @ U[:, :rank]) / values[:rank]) @ Vt[:rank]
         size = max(1.0, float(np.abs(self.load).max()))
-        z = np.linalg.lstsq(W, needed, rcond=_BALANCED)[0]
-        if np.abs(W @ z - needed).max() <= _BALANCED * size:
-            F = self.L @ z + self.offset
-            if self._holds(F):
-                return F
-        z, solved = self._program(W, needed, max(_LEAST_SIZE, float(np.abs(z).max())))
-        return self.L @ z + self.offset if solved else None
+        if np.abs(W @ z - needed).max() > _BALANCED * size:
+            return None
+        F, K = self.L @ z + self.offset, self.L @ Vt[rank:].T
+        exceeded = self.b < self.A @ F
+        if not exceeded.any() and self._inside_cones(F):
+            return F
+        # K x leaves the load as it is.  Few limits bind: the others are left off at first.
+        scale, squares = max(_LEAST_SIZE, float(np.abs(z).max())), _squares(K.shape[1], 0)
+        for limits in (exceeded, np.ones_like(exceeded)):
+            x, solved = self._program(K, F, squares, scale, limits)
+            found = F + K @ x
+            if solved and (limits.all() or (self.A @ found <= self.b + _BALANCED * size).all()):
+                return found
+        return None
 
     def missing(self, length: float) -> Array:
         """Return the smallest missing wrench (6,), with moments divided by a length (m)."""
-        scale = np.array([length] * 3 + [1.0] * 3)
-        W = np.hstack((np.zeros((6, self.L.shape[1])), np.diag(scale)))
-        W[:, : self.L.shape[1]] = self.G @ self.L
-        needed = self.load - self.G @ self.offset
-        z, solved = self._program(W, needed, max(1.0, float(np.abs(needed).max())), 6)
-        help_needed = scale * z[self.L.shape[1] :] if solved else self.load
+        W, needed = self._balance()
+        scale, m = np.array([length] * 3 + [1.0] * 3), self.L.shape[1]
+        K = np.hstack((self.L, np.zeros((len(self.L), 6))))
+        size, limits = max(1.0, float(np.abs(needed).max())), np.ones(len(self.b), np.bool_)
+        equal = np.hstack((W, np.diag(scale))), needed
+        x, solved = self._program(K, self.offset, _squares(m, 6), size, limits, equal)
+        help_needed = scale * x[m:] if solved else self.load
         return np.where(np.abs(help_needed) > 1e-6 * np.abs(help_needed).max(), help_needed, 0.0)
 
-    def _holds(self, F: Array) -> bool:
-        """Return whether forces are inside cones and limits."""
-        parts = np.einsum("kij,kj->ki", self.C, F.reshape(-1, 3))
-        inside = parts[:, 0] >= np.hypot(parts[:, 1], parts[:, 2])
-        return bool(inside.all() and (self.b >= self.A @ F).all())
+    def _balance(self) -> tuple[Array, Array]:
+        """Return the wrenches (6, m) of unknowns z, and the wrench that they must exert."""
+        return self.G @ self.L, self.load - self.G @ self.offset
 
-    def _program(self, W: Array, needed: Array, size: float, more: int = 0) -> tuple[Array, bool]:
-        """Minimize the norm of z, or of the last ``more`` unknowns alone, the missing wrench.
+    def _inside_cones(self, F: Array) -> bool:
+        """Return whether forces are inside the cones."""
+        parts = (self.C @ F.reshape(-1, 3, 1))[:, :, 0]
+        return bool((parts[:, 0] >= np.hypot(parts[:, 1], parts[:, 2])).all())
 
-        ``size`` scales all numbers for the solver.
+    def _program(
+        self,
+        K: Array,
+        F: Array,
+        squares: csc_matrix,
+        size: float,
+        limits: BoolArray,
+        equal: tuple[Array, Array] | None = None,
+    ) -> tuple[Array, bool]:
+        """Minimize the squares of unknowns x for forces ``F + K x``.
+
+        ``size`` scales all numbers for the solver, ``limits`` chooses rows of A, and ``equal`` is
+        the matrix and the right side of more equations in x.
         """
-        library = conic_solver()
-        m = self.L.shape[1]
-        cones = self.C * np.array([1.0 - _NARROWER, 1.0, 1.0])[:, None]
-        blocks = [-np.einsum("kij,kjl->kil", cones, self.L.reshape(-1, 3, m)).reshape(-1, m)]
-        moved = np.einsum("kij,kj->ki", cones, self.offset.reshape(-1, 3)).ravel()
-        rows = np.zeros((6 + len(self.b) + len(moved), m + more))
-        rows[:6] = W
-        rows[6:, :m] = np.vstack((self.A @ self.L, *blocks))
-        right = np.concatenate((needed, self.b - self.A @ self.offset, moved)) / size
-        kinds = [library.ZeroConeT(6), library.NonnegativeConeT(len(self.b))]
-        kinds += [library.SecondOrderConeT(3)] * len(self.C)
+        library, k = conic_solver(), K.shape[1]
+        E, e = (np.zeros((0, k)), np.zeros(0)) if equal is None else equal
+        cones, A = self.C * _SCALED, self.A[limits]
+        rows = np.vstack((E, A @ K, -(cones @ K.reshape(-1, 3, k)).reshape(-1, k)))
+        inside = (cones @ F.reshape(-1, 3, 1)).ravel()
         found = library.DefaultSolver(
-            _squares(m, more),
-            np.zeros(m + more),
+            squares,
+            np.zeros(k),
             _by_columns(rows),
-            right,
-            kinds,
+            np.concatenate((e, self.b[limits] - A @ F, inside)) / size,
+            [
+                library.ZeroConeT(len(e)),
+                library.NonnegativeConeT(len(A)),
+                *[library.SecondOrderConeT(3)] * len(cones),
+            ],
             solver_settings(library),
         ).solve()
         ended = library.SolverStatus
-        solved = found.status in (ended.Solved, ended.AlmostSolved)
-        return size * np.array(found.x), solved
+        return size * np.array(found.x), found.status in (ended.Solved, ended.AlmostSolved)
 
 
-@cache
+@lru_cache(maxsize=_MOST_KEPT)
 def _squares(m: int, more: int) -> csc_matrix:
     """Return the matrix of the sum of the squares of m numbers, or of the others alone."""
-    count = m + more
     weights = np.repeat([0.0 if more else 1.0, 1.0], [m, more])
-    return csc_matrix((weights, np.arange(count), np.arange(count + 1)))
+    return csc_matrix((weights, np.arange(m + more), np.arange(m + more + 1)))
 
 
 def _by_columns(dense: Array) -> csc_matrix:
-    """Return a sparse matrix for the solver, faster than scipy's own conversion."""
-    present = dense.T != 0.0
-    starts = np.concatenate(([0], np.cumsum(present.sum(axis=1))))
-    return csc_matrix((dense.T[present], np.nonzero(present)[1], starts), shape=dense.shape)
+    """Return a matrix for the solver with all entries, faster than scipy's own conversion."""
+    rows, columns = dense.shape
+    places = _all_places(rows, columns)
+    return csc_matrix((dense.T.ravel(), *places), shape=dense.shape)
+
+
+@lru_cache(maxsize=_MOST_KEPT)
+def _all_places(rows: int, columns: int) -> tuple[IntArray, IntArray]:
+    """Return the rows of all entries by columns, and where the columns begin."""
+    numbers, starts = np.arange(rows, dtype=np.int32), np.arange(columns + 1, dtype=np.int32)
+    return np.tile(numbers, columns), rows * starts
 
 
 def foot_forces(
