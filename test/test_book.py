@@ -105,7 +105,7 @@ def test_the_classes_of_robots_name_every_robot_twice():
     """Once by function, and once by application."""
     page = (ROOT / "doc" / "classes_of_robots.md").read_text(encoding="utf-8")
     by_function, rest = page.split("## By size")
-    by_application = rest.split("## By application")[1]
+    by_application = rest.split("## By application")[1].split("\n## ")[0]
     robots = [
         *list_robots(), *list_parallel(), *list_hands(), *list_legged(), *list_rolling()
     ]  # fmt: skip
