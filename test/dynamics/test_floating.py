@@ -182,6 +182,24 @@ def test_the_tip_is_held_and_led_straight_in_inertial_space(arm):
     assert "singular" in lost.reason or "limit" in lost.reason
 
 
+def test_a_servo_holds_the_tip_on_a_base_that_drifts(arm):
+    """Rates at 20 Hz for 5 s, and the base that conserves its momentum."""
+    q, step = arm.chain.home(), 0.05
+    base = FloatingBase(arm, q, [90.0, -60.0, 30.0, 60.0, -30.0, 60.0], POSE)
+    held = base.pose @ forward_kinematics(arm.chain, q)
+    for _ in range(100):
+        R = base.pose[:3, :3]
+        inside = (base.momentum.reshape(2, 3) @ R).ravel()
+        rates = arm.joint_rates(q, np.zeros(6), inside)
+        q = q + step * rates
+        base.move(q, rates, step)
+    assert np.linalg.norm(base.pose[:3, 3] - POSE[:3, 3]) > 0.01
+    tip = base.pose @ forward_kinematics(arm.chain, q)
+    assert np.abs(pose_error(held, tip)).max() < 1e-4
+    with pytest.raises(BadValueError, match="generalised Jacobian is regular"):
+        FloatingChain(load_robot("planar3r"), BODY).joint_rates(np.zeros(3), np.zeros(6))
+
+
 def test_whatever_is_given_it_answers_or_refuses(arm):
     q, u = arm.chain.home(), np.zeros(13)
     calls = {
@@ -192,6 +210,7 @@ def test_whatever_is_given_it_answers_or_refuses(arm):
         **with_options(arm.kinetic_energy, q=q, rates=u),
         **with_options(arm.rates, q=q, qd=q),
         **with_options(arm.generalized_jacobian, q=q),
+        **with_options(arm.joint_rates, q=q, twist=np.zeros(6)),
         **with_options(arm.reactionless, q=q),
         **with_options(arm.inverse, q=q, rates=u, accelerations=u),
         **with_options(arm.forward, q=q, rates=u, efforts=u),

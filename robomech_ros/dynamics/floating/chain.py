@@ -36,6 +36,8 @@ _NEXT_AXIS = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 _ZERO = 1e-9
 # Least eigenvalue of a locked inertia scaled to a unit diagonal; rounding leaves 1e-16 of zero.
 _SINGULAR = 1e-14
+# Part of the greatest singular value of the generalised Jacobian below which it is singular.
+_SINGULAR_JACOBIAN = 1e-4
 
 
 class FloatingChain:
@@ -182,6 +184,40 @@ class FloatingChain:
             (-self._solved(H[:6, :6], H[:6, 6:]), np.eye(self.n))
         )
 
+    def joint_rates(
+        self, q: ArrayLike, twist: ArrayLike, momentum: ArrayLike | None = None
+    ) -> Array:
+        """Return the joint rates that give the tip a twist in inertial space, a step of a servo.
+
+        Twist zero holds the tip while the base drifts.
+
+        Parameters
+        ----------
+        q : array_like, shape (n,)
+            Joint values (rad or m).
+        twist : array_like, shape (6,)
+            [omega; v] of the tip in inertial space (rad/s, m/s), at the tip's origin and in the
+            axes of the base.
+        momentum : array_like, shape (6,), optional
+            As for :meth:`rates`.  Default zero.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            The least-norm solution.
+
+        Raises
+        ------
+        BadValueError
+            The generalised Jacobian is singular.
+        """
+        adrift = self.rates(q, np.zeros(self.n), momentum)
+        found, regular = least_rates(self, q, as_single("twist", twist, (6,)), adrift)
+        if not regular:
+            expected = "one in which the generalised Jacobian is regular"
+            raise BadValueError("q", np.asarray(q).tolist(), expected)
+        return found
+
     def tip_jacobian(self, q: ArrayLike) -> Array:
         """Return the matrix from u to the twist of the tip in the axes of the base, (6, 6 + n)."""
         values = self._values("q", q)
@@ -325,6 +361,19 @@ class FloatingChain:
             expected = "bodies that resist every motion of the base"
             raise BadValueError("least inertia of the floating chain", 0.0, expected)
         return np.asarray(np.linalg.solve(H, right))
+
+
+def least_rates(
+    robot: FloatingChain, q: ArrayLike, twist: Array, adrift: Array
+) -> tuple[Array, bool]:
+    """Return the least joint rates (n,) for a twist of the tip, and whether they give all of it.
+
+    ``adrift`` are the rates u (6 + n,) of base and still joints.
+    """
+    needed = twist - robot.tip_jacobian(q) @ adrift
+    J = robot.generalized_jacobian(q)
+    found, _, rank, _ = np.linalg.lstsq(J, needed, rcond=_SINGULAR_JACOBIAN)
+    return np.asarray(found, dtype=np.float64), bool(rank == 6)
 
 
 def floating_models(chains: Sequence[SerialChain], base: Body | None) -> Array:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from robomech_ros.dynamics.floating.chain import FloatingChain
+from robomech_ros.dynamics.floating.chain import FloatingChain, least_rates
 from robomech_ros.dynamics.floating.motion import (
     FloatingMotion,
     integrated,
@@ -35,8 +35,6 @@ SINGULAR = "the generalised Jacobian is singular"
 _TOLERANCE = 1e-11
 # Feedback gain for the tip's pose error, times the duration.
 _RETURN = 2.0
-# Part of the greatest singular value of the generalised Jacobian below which it is singular.
-_SINGULAR = 1e-4
 
 
 def move_floating_tip(
@@ -159,11 +157,7 @@ def follow_floating_path(
         twist = moving + _RETURN / duration * pose_error(wanted, tip)
         inside = np.concatenate((R.T @ twist[:3], R.T @ twist[3:]))
         adrift = kept.rates(R, joints, np.zeros(n))
-        needed = inside - robot.tip_jacobian(joints) @ adrift
-        found, _, rank, _ = np.linalg.lstsq(
-            robot.generalized_jacobian(joints), needed, rcond=_SINGULAR
-        )
-        return np.asarray(found, dtype=np.float64), bool(rank == 6)
+        return least_rates(robot, joints, inside, adrift)
 
     def change(t: float, state: Array) -> Array:
         R, joints = rotation(state[:4]), state[4:]
