@@ -245,7 +245,7 @@ def foot_forces(
     feet = robot.feet(q)
     J = robot.foot_jacobians(q)
     if not standing:
-        raise MissingSupportError((), load.tolist())
+        raise MissingSupportError((), (load + 0.0).tolist())
     share = _share(robot, standing, (q, feet, J, own), load, (mu, upward), smallest)
     F = share.solve()
     if F is None:
