@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.plotting.panels import draw_marks
 from robomech_ros.plotting.pictures import new_figure, save
 from robomech_ros.typing import Array
 
@@ -62,7 +62,7 @@ def plot_motion(
         draw_curves(ax, joint_names, times, curve, slides, limits[i] if limits else ())
         units = " or ".join(_UNITS[kind][i] for kind in sorted(set(slides)))
         ax.set_ylabel(f"{_LABELS[i]} ({units})")
-    _draw_marks(axes, marks)
+    draw_marks(axes, marks)
     axes[-1].set_xlabel("time (s)")
     handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside right upper", frameon=False)
@@ -86,17 +86,6 @@ def draw_curves(
                 ax.axhline(bound, color=line.get_color(), linewidth=0.9, linestyle="--")
     ax.grid(visible=True, color="0.9")
     ax.margins(x=0.01)
-
-
-def _draw_marks(axes: NDArray, marks: Sequence[tuple[float, str]]) -> None:
-    """Draw a line at each instant in all diagrams, and its label in the first."""
-    for instant, label in marks:
-        for ax in axes:
-            ax.axvline(instant, color="0.6", linewidth=0.8, linestyle=":")
-        axes[0].annotate(
-            label, (instant, 1.0), xycoords=("data", "axes fraction"), xytext=(3, -11),
-            textcoords="offset points", fontsize=8, color="0.4",
-        )  # fmt: skip
 
 
 def _check(

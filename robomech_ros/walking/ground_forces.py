@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from robomech_ros.errors import BadValueError, LimitExceededError, MissingSupportError
@@ -14,7 +15,7 @@ from robomech_ros.hands.conic_solver import conic_solver
 from robomech_ros.hands.force_program import solver_settings
 from robomech_ros.spatial import cross_product_matrix
 from robomech_ros.spatial.arrays import as_choice, as_single, check_kind, finite_within
-from robomech_ros.typing import Array, ArrayLike, BoolArray, IntArray
+from robomech_ros.typing import Array, ArrayLike, BoolArray
 from robomech_ros.walking.robot import LeggedRobot
 from robomech_ros.walking.stance_mechanism import contact_rows
 
@@ -161,10 +162,11 @@ def _by_columns(dense: Array) -> csc_matrix:
 
 
 @lru_cache(maxsize=_MOST_KEPT)
-def _all_places(rows: int, columns: int) -> tuple[IntArray, IntArray]:
+def _all_places(rows: int, columns: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """Return the rows of all entries by columns, and where the columns begin."""
-    numbers, starts = np.arange(rows, dtype=np.int32), np.arange(columns + 1, dtype=np.int32)
-    return np.tile(numbers, columns), rows * starts
+    numbers = np.arange(max(rows, columns) + 1, dtype=np.int32)
+    starts = (rows * numbers[: columns + 1]).astype(np.int32)
+    return np.tile(numbers[:rows], columns), starts
 
 
 def foot_forces(

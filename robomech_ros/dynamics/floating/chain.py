@@ -410,7 +410,7 @@ def floating_efforts(
     out = np.empty(u.shape)
     status = _inverse(models, q, u, du, _surroundings(gravity, tip_wrench), out)
     # A sum takes a third of the time of np.isfinite.
-    if not status and math.isfinite(sum(out.tolist())):
+    if not status and math.isfinite(sum(out.ravel().tolist())):
         return out
     if not np.isfinite(out).all():
         status |= NOT_FINITE

@@ -6,15 +6,16 @@ from pathlib import Path
 from robomech_interfaces.srv import Execute, PlanCartesian, PlanJoint, SolveIK
 from robomech_ros.dynamics import FloatingChain
 from robomech_ros.errors import BadValueError
-from robomech_ros.nodes.demonstration.capture_task import CaptureTask
+from robomech_ros.nodes.demonstration.capture_task import CaptureTask, States
 from robomech_ros.nodes.demonstration.client import EXECUTE, PLAN_JOINT, running_client
 from robomech_ros.nodes.demonstration.limits import Which, chain_with_limits
 from robomech_ros.nodes.demonstration.pick_and_place import CARRYING, DemoArm
 from robomech_ros.nodes.demonstration.report import Reporter, whole_motion, write_motion_page
-from robomech_ros.nodes.demonstration.session import plot_recording
 from robomech_ros.nodes.process.launch_options import LaunchOptions
-from robomech_ros.robots import load_description
+from robomech_ros.plotting.panels import Panel, plot_panels
+from robomech_ros.robots import SerialChain, load_description
 from robomech_ros.rvs.model.floating_tree import CAPTURED, CRAFT, floating_tree, free_joints
+from robomech_ros.spatial import rotation_vector_from_matrix
 
 _SERVICES = {
     "kinematics/solve_ik": SolveIK,
@@ -40,14 +41,32 @@ def demonstrate_capture(which: Which, output: Path) -> None:
         client.wait_until_up(_SERVICES)
         reporter.up(suite)
         task.run()
-        recording = client.recording()
         reporter.heading("summary")
         task.prove()
-    plot = plot_recording(arm, task.marks, recording, output, "a capture in space")
-    tree = floating_tree(description, base, task.captured)
     states = task.states()
+    plot = _plot(chain, task, states, output)
+    tree = floating_tree(description, base, task.captured)
     columns = free_joints(CRAFT, states.poses) | free_joints(CAPTURED, task.body_poses(states))
     columns |= dict(zip(chain.joint_names, states.q.T, strict=True))
     motion = whole_motion(tree, states.t, columns, task.marks)
     page = write_motion_page(output, chain.name, "a capture in space", tree, motion, chain.tip)
     reporter.finish(f"plot: {plot}", page)
+
+
+def _plot(chain: SerialChain, task: CaptureTask, states: States, output: Path) -> Path:
+    """Plot the motion of joints and base, and the momentum that robot and body share."""
+    start, poses = states.t[0], states.poses
+    turns = rotation_vector_from_matrix(poses[:, :3, :3])
+    panels = (
+        Panel("joints (rad)", chain.joint_names, states.q),
+        Panel("base, position (m)", "xyz", poses[:, :3, 3]),
+        Panel("base, rotation (rad)", ("about x", "about y", "about z"), turns),
+        Panel("momentum (N s)", ("base", "arm", "free body", "all"), task.momenta(states)),
+    )
+    return plot_panels(
+        output / f"{chain.name}.png",
+        states.t - start,
+        panels,
+        title=f"{chain.name}: a capture in space; momentum along the velocity of the body",
+        marks=[(instant - start, label) for instant, label in task.marks],
+    )

@@ -1,5 +1,6 @@
 """The task of the capture: an approach in inertial space, a contact, and the way back."""
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -103,13 +104,39 @@ class CaptureTask:
         free[:, :3, 3] = met + np.outer(states.t - self._contact, self._velocity)
         return np.where((states.t < self._contact)[:, None, None], free, held)
 
+    def momenta(self, states: States) -> Array:
+        """Return linear momenta along the velocity of the body (N s), shape (m, 4).
+
+        Those of the base, of the arm with what it holds, of the free body, and of all; NaN around
+        the contact.
+        """
+        along, found = self._velocity / _SPEED, np.full((len(states.t), 4), np.nan)
+        before, after = self._around_contact(states)
+        for robot, rows in ((self._robot, before), (self._loaded, after)):
+            found[rows, 3] = self._momenta(robot, states, rows)[0][:, 3:] @ along
+        found[before, 2], found[after, 2] = self.captured.mass * _SPEED, 0.0
+        base = self._robot.base
+        assert base is not None
+        speeds = states.twists[:, 3:] + np.cross(states.twists[:, :3], base.com)
+        found[:, 0] = base.mass * np.einsum("mij,mj,i->m", states.poses[:, :3, :3], speeds, along)
+        found[:, 1] = found[:, 3] - found[:, 0]
+        found[:, 3] += found[:, 2]
+        return found
+
+    @cached_property
+    def _loaded(self) -> FloatingChain:
+        """The robot that holds the body."""
+        body = Body(self.captured.mass, np.array([0.0, 0.0, 0.5 * self._side]), np.zeros((3, 3)))
+        return FloatingChain(with_payload(self._robot.chain, body), self._robot.base)
+
+    def _around_contact(self, states: States) -> tuple[BoolArray, BoolArray]:
+        """Return which states are before the contact, and which after it."""
+        return states.t < self._before, states.t > self._after
+
     def prove(self) -> None:
         """Check the momentum before and after, and say where the base is."""
         states, say = self.states(), self._reporter
-        body = Body(self.captured.mass, np.array([0.0, 0.0, 0.5 * self._side]), np.zeros((3, 3)))
-        loaded = FloatingChain(with_payload(self._robot.chain, body), self._robot.base)
-        before = states.t < self._before
-        after = states.t > self._after
+        loaded, before, after = self._loaded, *self._around_contact(states)
         found, alone = self._momenta(self._robot, states, before)
         scale = np.linalg.norm(alone, axis=1).max()
         off = float(np.linalg.norm(found, axis=1).max() / scale)
