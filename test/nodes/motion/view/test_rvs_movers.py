@@ -295,3 +295,11 @@ def test_an_arm_is_drawn_on_its_floating_base(graph, browse):
     seen = visible_points(stage._seen, [browser.page._arm.positions])
     around = all_points(browser.page._layers[0]._place)
     np.testing.assert_allclose(around[: len(seen)], seen @ T[:3, :3].T + T[:3, 3], atol=1e-9)
+
+
+def test_a_floating_base_without_odometry_is_told(graph, browse):
+    graph.start(JointTrajectoryControllerNode, robot_description="canadarm2", floating_base="never")
+    node = graph.start(RvsNode, robot_description="canadarm2", floating_base="always", port=0)
+    browser = browse(node)
+    told = "Nothing yet on '/odom': the pose of the floating base is unknown."
+    wait_until(lambda: browser.said("state") == told)
