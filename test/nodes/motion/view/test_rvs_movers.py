@@ -302,4 +302,4 @@ def test_a_floating_base_without_odometry_is_told(graph, browse):
     node = graph.start(RvsNode, robot_description="canadarm2", floating_base="always", port=0)
     browser = browse(node)
     told = "Nothing yet on '/odom': the pose of the floating base is unknown."
-    wait_until(lambda: browser.said("state") == told)
+    wait_until(lambda: told in browser.said("state"))
