@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from robomech_ros.nodes.common.robot.floating_base import FloatingSettings
 from robomech_ros.nodes.common.parameters import parameter
+from robomech_ros.nodes.common.robot.floating_base import FloatingSettings
 from robomech_ros.nodes.common.robot.gripper_names import GripperNames
 from robomech_ros.rvs.serving.address import GREATEST_PORT, HOST, PORT
 

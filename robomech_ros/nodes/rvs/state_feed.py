@@ -11,8 +11,8 @@ from rclpy.node import Node
 
 from robomech_interfaces.msg import ServoStatus
 from robomech_ros.nodes.common.messages.error_codes import NoStateError
-from robomech_ros.nodes.common.robot.floating_base import FloatingRobot
 from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.robot.floating_base import FloatingRobot
 from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
 from robomech_ros.nodes.rvs.messages import servo_news

@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "rvs"))
 from browsers import Browser, hold_until
 from raw_client import wait_until
 
-from robomech_ros.nodes.common.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.mobile_base.node import MobileBaseNode
 from robomech_ros.nodes.rvs.node import RvsNode
