@@ -14,6 +14,7 @@ from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.robot.robot_description import LATCHED
+from robomech_ros.nodes.middleware.drained_subscription import create_drained_subscription
 from robomech_ros.nodes.middleware.queue_depth import DEPTH, serve
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.move_group.scene_messages import (
@@ -54,7 +55,7 @@ class SceneServices:
             (CollisionObject, "collision_object", self._take_object),
             (AttachedCollisionObject, "attached_collision_object", self._take_attached),
         ):
-            node.create_subscription(kind, topic, take, DEPTH, callback_group=order)
+            create_drained_subscription(node, kind, topic, take, DEPTH, callback_group=order)
         self._publisher = node.create_publisher(PlanningScene, _MONITORED, LATCHED)
         # States would take the latched scene's place; who wants that does not get them.
         silent = PublisherEventCallbacks(use_default_callbacks=False)
