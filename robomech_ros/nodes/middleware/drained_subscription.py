@@ -41,12 +41,12 @@ def create_drained_subscription(
     """
 
     async def take(message: Any) -> None:
+        await callback(message)
         for _ in range(_MOST):
-            await callback(message)
             with subscription.handle:
                 taken = subscription.handle.take_message(kind, False)
             if taken is None:
                 break
-            message = taken[0]
+            await callback(taken[0])
 
     subscription = node.create_subscription(kind, topic, take, depth, callback_group=callback_group)

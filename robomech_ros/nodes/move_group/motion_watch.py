@@ -20,10 +20,16 @@ from robomech_ros.typing import Array
 
 # How often a changing world is looked at, s.
 _PERIOD = 0.1
+# Longest time from a change to the end of its check, s: a busier node stops the robot.
+_LATEST = 0.4
 # The path is sampled at this period (s) to locate the robot on it. The search ahead allows for a
 # clock of the robot that runs this much faster than the machine's, plus a margin (s).
 _GRID, _FASTEST_CLOCK, _MARGIN = 0.02, 4.0, 0.5
 _MOST_SAMPLES = 20_000
+_LATE = (
+    "a change of the scene was checked after up to {:.2g} s, at most {:g} s are allowed; "
+    "lighten the load of the machine, or change the scene less often"
+)
 # Number of postures that are searched for the largest depth.
 _DEPTHS = 100
 
@@ -49,7 +55,8 @@ class MotionWatch:
         self._known = known
         self._motion = _motion(self.chain, known(), list(joint_names), waypoints)
         self._world: Any = None
-        self._due = 0.0
+        # The next check is not due before this; the checked world was the present one at this time.
+        self._due, self._current_at, self._unchecked_since = 0.0, math.inf, math.inf
         self._index, self._located_at = 0, time.monotonic()
         if self._motion is not None:
             begin, end = float(self._motion.breaks[0]), float(self._motion.breaks[-1])
@@ -62,13 +69,19 @@ class MotionWatch:
         if self._motion is None:
             return False
         self._follow()
-        if world is self._world or time.monotonic() < self._due:
+        now = time.monotonic()
+        if world is self._world:
+            self._current_at = now
+        if world is self._world or now < self._due:
             return False
-        self._world = world
+        self._world, self._unchecked_since, self._current_at = world, self._current_at, now
         return True
 
     def obstruction(self, scene: PlanningScene) -> str:
-        """Name what the rest of the motion would touch in the chain's scene; "" for nothing."""
+        """Say why the rest of the motion must not go on in the chain's scene; "" if it may.
+
+        It would touch something, or the check was late: the robot might not stop in time.
+        """
         assert self._motion is not None
         if self._index == len(self._times) - 1:
             return ""
@@ -78,7 +91,8 @@ class MotionWatch:
         # Other callbacks get at least twice this time.
         self._due = now + max(_PERIOD, 2.0 * (now - begun))
         if found.free:
-            return ""
+            late = now - self._unchecked_since
+            return "" if late <= _LATEST else _LATE.format(late, _LATEST)
         times = np.linspace(found.parameter, rest.breaks[-1], _DEPTHS)
         distances = scene.clearance(rest.sample(times).position).distance
         depth = max(-float(np.min(distances)), 0.0)
