@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from enum import Enum
 from typing import Any, NamedTuple
 
@@ -240,8 +241,7 @@ class _Search:
 
         validator = Proved(information)
         information.setMotionValidator(validator)
-        with _lock:
-            ompl().util.RNG.setSeed(self._request.seed + 1)
+        with _seeded(self._request.seed + 1):
             information.setup()
             task, ends = base.ProblemDefinition(information), base.GoalStates(information)
             task.addStartState(_state(space, start))
@@ -261,6 +261,19 @@ class _Search:
             shortener.reduceVertices(path)
             shortener.partialShortcutPath(path)
             return np.array([[state[i] for i in entries] for state in path.getStates()])
+
+
+@contextmanager
+def _seeded(seed: int) -> Iterator[None]:
+    """Seed OMPL for one plan; other users of the process then get numbers that differ each time."""
+    generator = ompl().util.RNG
+    with _lock:
+        later = generator().getLocalSeed()
+        generator.setSeed(seed)
+        try:
+            yield
+        finally:
+            generator.setSeed(later)
 
 
 def _state(space: Any, q: Array) -> Any:

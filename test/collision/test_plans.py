@@ -338,6 +338,26 @@ def test_joints_without_limits_turn_the_short_way():
     looked_at(scene, found)
 
 
+def test_other_users_of_ompl_keep_random_numbers_of_their_own():
+    random, scene = planning.ompl().util.RNG, with_wall()
+    first, *others = (scene.plan(LEFT, RIGHT).waypoints for _ in range(3))
+    assert all((first == other).all() for other in others)
+
+    def numbers_after_plans():
+        found = []
+        for _ in range(2):
+            scene.plan(LEFT, RIGHT)
+            found.append(random().uniform01())
+        return found
+
+    # They differ from plan to plan, and are the same again for a seed of the user's own.
+    random.setSeed(7)
+    found = numbers_after_plans()
+    assert found[0] != found[1]
+    random.setSeed(7)
+    assert numbers_after_plans() == found
+
+
 def test_limits_that_were_rounded():
     scene = with_wall()
     upper = scene.chain.upper
