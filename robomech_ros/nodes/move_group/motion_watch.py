@@ -22,6 +22,8 @@ from robomech_ros.typing import Array
 _PERIOD = 0.1
 # Longest time from a change to the end of its check, s: a busier node stops the robot.
 _LATEST = 0.4
+# The motion of at least this time ahead, and at most twice of it, is checked again (s).
+_AHEAD = 5.0
 # The path is sampled at this period (s) to locate the robot on it. The search ahead allows for a
 # clock of the robot that runs this much faster than the machine's, plus a margin (s).
 _GRID, _FASTEST_CLOCK, _MARGIN = 0.02, 4.0, 0.5
@@ -57,6 +59,7 @@ class MotionWatch:
         self._world: Any = None
         # The next check is not due before this; the checked world was the present one at this time.
         self._due, self._current_at, self._unchecked_since = 0.0, math.inf, math.inf
+        self._checked_until = -math.inf
         self._index, self._located_at = 0, time.monotonic()
         if self._motion is not None:
             begin, end = float(self._motion.breaks[0]), float(self._motion.breaks[-1])
@@ -65,14 +68,15 @@ class MotionWatch:
             self._postures: Array = self._motion.sample(self._times).position
 
     def is_due(self, world: Any) -> bool:
-        """Return whether the motion must be checked, because the world has changed."""
+        """Return whether the motion must be checked: the world or the part ahead is another."""
         if self._motion is None:
             return False
         self._follow()
-        now = time.monotonic()
-        if world is self._world:
+        now, is_same = time.monotonic(), world is self._world
+        if is_same:
             self._current_at = now
-        if world is self._world or now < self._due:
+        ahead = min(float(self._times[self._index]) + _AHEAD, float(self._times[-1]))
+        if (is_same and self._checked_until >= ahead) or now < self._due:
             return False
         self._world, self._unchecked_since, self._current_at = world, self._current_at, now
         return True
@@ -80,13 +84,22 @@ class MotionWatch:
     def obstruction(self, scene: PlanningScene) -> str:
         """Say why the rest of the motion must not go on in the chain's scene; "" if it may.
 
-        It would touch something, or the check was late: the robot might not stop in time.
+        It would touch something, or the check was late: the robot might not stop in time. The first
+        check is of the whole motion, later ones are of the next seconds.
         """
         assert self._motion is not None
         if self._index == len(self._times) - 1:
             return ""
-        rest, begun = self._motion.after(float(self._times[self._index])), time.monotonic()
-        found = check_departure(scene, rest)
+        begun, begin = time.monotonic(), float(self._times[self._index])
+        rest = part = self._motion.after(begin)
+        if self._checked_until > -math.inf:
+            last = int(rest.breaks.searchsorted(begin + 2.0 * _AHEAD))
+            part = rest.between(0, min(last, len(rest.breaks) - 1))
+        found = check_departure(scene, part)
+        if not found.free and part is not rest:
+            # A robot in contact may need more time to leave it.
+            found = check_departure(scene, rest)
+        self._checked_until = float(part.breaks[-1])
         now = time.monotonic()
         # Other callbacks get at least twice this time.
         self._due = now + max(_PERIOD, 2.0 * (now - begun))

@@ -3,6 +3,7 @@
 import time
 
 import numpy as np
+import pytest
 from move_group_client import HERE, THERE, UR5E, box
 from shaped_arm import shaped_ur5e
 
@@ -14,40 +15,82 @@ from robomech_ros.robots import load_description
 from robomech_ros.trajectory.waypoints import Waypoints
 
 AWAY = box(name="away", position=(0.0, 0.0, 3.0))
+WALL = box(name="wall", sizes=(0.4, 0.02, 0.6), position=(0.65, 0.0, 0.3))
 
 
-def test_a_change_that_is_checked_late_stops_the_robot(graph):
-    model, worker = RobotModel(load_description(shaped_ur5e())), Worker(graph.client)
-    scenes, known = Scenes(model, worker, 0.0), dict(zip(UR5E.joint_names, HERE, strict=True))
-    rows = Waypoints(np.array([0.0, 10.0]), np.array([HERE, THERE]), np.zeros((2, 6)))
-    watch = MotionWatch(model, lambda: known, UR5E.joint_names, rows)
+class Watched:
+    """A motion in a world that a test changes."""
 
-    def change(*objects):
-        world = scenes.world.copy(empty=True)
+    def __init__(self, worker, seconds):
+        self.model = RobotModel(load_description(shaped_ur5e()))
+        self.scenes = Scenes(self.model, worker, 0.0)
+        self.known = dict(zip(UR5E.joint_names, HERE, strict=True))
+        times = np.linspace(0.0, seconds, round(seconds) + 1)
+        self.rows = HERE + np.linspace(0.0, 1.0, len(times))[:, None] * (THERE - HERE)
+        rates = np.tile((THERE - HERE) / seconds, (len(times), 1))
+        waypoints = Waypoints(times, self.rows, rates)
+        self.watch = MotionWatch(self.model, lambda: self.known, UR5E.joint_names, waypoints)
+
+    def change(self, *objects):
+        world = self.scenes.world.copy(empty=True)
         for one in objects:
             world.apply_object(one, {"": np.eye(4)})
-        scenes.adopt(world, known)
+        self.scenes.adopt(world, self.known)
 
-    def checked():
-        assert watch.is_due(scenes.world)
-        return watch.obstruction(scenes.whole(known))
+    def is_due(self):
+        return self.watch.is_due(self.scenes.world)
 
+    def checked(self):
+        assert self.is_due()
+        return self.watch.obstruction(self.scenes.whole(self.known))
+
+
+@pytest.fixture
+def worker(graph):
+    made = Worker(graph.client)
+    yield made
+    made.close()
+
+
+def test_a_change_that_is_checked_late_stops_the_robot(worker):
+    one = Watched(worker, 10.0)
     # Before the motion nothing is late.
     time.sleep(0.6)
-    assert checked() == ""
-    change(AWAY)
+    assert one.checked() == ""
+    one.change(AWAY)
     time.sleep(0.15)
-    assert checked() == ""
+    assert one.checked() == ""
     # Nothing changes for a while.
     time.sleep(0.6)
-    assert not watch.is_due(scenes.world)
-    change()
+    assert not one.is_due()
+    one.change()
     time.sleep(0.15)
-    assert checked() == ""
-    change(AWAY)
+    assert one.checked() == ""
+    one.change(AWAY)
     time.sleep(0.6)
-    assert checked().startswith("a change of the scene was checked after up to 0.")
-    change(box(name="wall", sizes=(0.4, 0.02, 0.6), position=(0.65, 0.0, 0.3)))
+    assert one.checked().startswith("a change of the scene was checked after up to 0.")
+    one.change(WALL)
     time.sleep(0.6)
-    assert "'wall'" in checked()
-    worker.close()
+    assert "'wall'" in one.checked()
+
+
+def test_a_long_motion_is_checked_some_seconds_ahead(worker):
+    one = Watched(worker, 60.0)
+    one.change(WALL)
+    # The first check is of the whole motion.
+    assert "'wall'" in one.checked()
+    one.change()
+    time.sleep(0.15)
+    assert one.checked() == ""
+    one.change(WALL)
+    time.sleep(0.15)
+    assert one.checked() == "" and not one.is_due()
+    found, second = "", 0
+    while not found:
+        second += 1
+        one.known.update(zip(UR5E.joint_names, one.rows[second], strict=True))
+        time.sleep(0.15)
+        if one.is_due():
+            found = one.watch.obstruction(one.scenes.whole(one.known))
+    at = float(found.split(" s of the motion")[0].split()[-1])
+    assert "'wall'" in found and 4.0 < at - second < 11.0
