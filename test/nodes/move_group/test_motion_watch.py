@@ -8,7 +8,7 @@ from move_group_client import HERE, THERE, UR5E, box
 from shaped_arm import shaped_ur5e
 
 from robomech_ros.nodes.common.cooperative_wait import Worker
-from robomech_ros.nodes.common.robot_description import RobotModel
+from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.move_group.motion_watch import MotionWatch
 from robomech_ros.nodes.move_group.scenes import Scenes
 from robomech_ros.robots import load_description
