@@ -157,7 +157,7 @@ bench: setup ## measure against Pinocchio, EAIK, ssik and others and a bare rclp
 pictures: setup ## remake the pictures of the browser view in doc/images, by a headless Chromium
 	$(BIN)/python test/pictures $(if $(ONLY),--only $(ONLY))
 
-# Anew each time: notebooks run the library, and entries of the interface list the sections that name them.
+# Old pages are removed: notebooks depend on the library, and entries on the sections that name them.
 docs: ## build the pages of doc/ into doc/_build and check them, in .venv-docs
 	@$(call set_up,.venv-docs,--extra docs.txt)
 	rm -rf doc/_build doc/api doc/jupyter_execute
