@@ -7,19 +7,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robomech_ros._kernels.compiling.jit import direct
+from robomech_ros._kernels.walking.planted import planted_forward
 from robomech_ros.dynamics.checked_states import as_vector
-from robomech_ros.dynamics.complement.stacking import solve
-from robomech_ros.dynamics.floating.chain import floating_efforts, floating_inertia, floating_models
-from robomech_ros.dynamics.model import GRAVITY
+from robomech_ros.dynamics.floating.chain import (
+    check_status,
+    floating_efforts,
+    floating_inertia,
+    floating_models,
+)
+from robomech_ros.dynamics.model import GRAVITY, surroundings
 from robomech_ros.errors import MissingInertiaError
-from robomech_ros.kinetostatics import bias_acceleration
 from robomech_ros.robots.bodies import Body, possible_body
-from robomech_ros.spatial import cross_product_matrix
 from robomech_ros.spatial.arrays import as_single, check_kind
 from robomech_ros.typing import Array, ArrayLike
 from robomech_ros.walking.ground_forces import UPWARDS, FootForces, foot_forces
 from robomech_ros.walking.robot import LeggedRobot
-from robomech_ros.walking.stance_mechanism import contact_rows
+
+_planted_forward = direct(planted_forward)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,8 +122,8 @@ class WalkingDynamics:
             ``[n; f; tau]`` (N m, N and those of the joints).
         """
         rows = self.robot.joints(q)
-        u = self._all_rates("rates", rates)
-        du = self._all_rates("accelerations", accelerations)
+        u = self._vector("rates", rates, 6 + self.robot.n)
+        du = self._vector("accelerations", accelerations, 6 + self.robot.n)
         return floating_efforts(self._models, rows, u, du, gravity)
 
     def share_load(
@@ -174,16 +179,7 @@ class WalkingDynamics:
         ndarray, shape (6 + 3 k, 6 + 3 m)
             For m legs in the air, in their order.
         """
-        standing, lifted = self._legs_by_contact(stance)
-        feet, J = self.robot.feet(q), self.robot.foot_jacobians(q)
-        self.robot.check_regular(q, J, standing)
-        N = np.zeros((6 + self.robot.n, 6 + 3 * len(lifted)))
-        N[:6, :6] = np.eye(6)
-        found = np.linalg.solve(J[standing], contact_rows(feet[standing]).reshape(-1, 3, 6))
-        N[6:, :6].reshape(-1, 3, 6)[standing] = -found
-        for i, k in enumerate(lifted):
-            N[6 + 3 * k : 9 + 3 * k, 6 + 3 * i : 9 + 3 * i] = np.eye(3)
-        return N
+        return self.robot.planted_motion(q, None, stance)[0]
 
     def stance_motion(
         self,
@@ -208,11 +204,8 @@ class WalkingDynamics:
         rates, accelerations : ndarray, shape (6 + 3 k,)
             u and its derivative.
         """
-        N = self.complement(q, stance)
-        w = as_vector("independent", independent, N.shape[1])
-        dw = as_vector("changes", changes, N.shape[1])
-        u = N @ w
-        return u, N @ dw + self._drift(q, u, stance)
+        N, (u, drift) = self.robot.planted_motion(q, independent, stance)
+        return u, N @ as_vector("changes", changes, N.shape[1]) + drift
 
     def planted_forward(
         self,
@@ -238,34 +231,12 @@ class WalkingDynamics:
         gravity : array_like, shape (3,), optional
             In the axes of the trunk (m/s^2).
         """
-        N = self.complement(q, stance)
-        tau, gravity = as_vector("torques", torques, self.robot.n), as_vector("gravity", gravity, 3)
-        u = N @ as_vector("independent", independent, N.shape[1])
-        drift = self._drift(q, u, stance)
-        left = np.concatenate((np.zeros(6), tau)) - self.inverse(q, u, drift, gravity=gravity)
-        du = drift + N @ np.linalg.solve(N.T @ self.mass_matrix(q) @ N, N.T @ left)
-        lacking = (self.inverse(q, u, du, gravity=gravity)[6:] - tau).reshape(-1, 3)
-        standing, _ = self._legs_by_contact(stance)
-        forces, J = np.zeros((len(self.robot.legs), 3)), self.robot.foot_jacobians(q)[standing]
-        forces[standing] = solve(J.transpose(0, 2, 1), lacking[standing])
-        return PlantedMotion(du, forces)
+        N, motion = self.robot.planted_motion(q, independent, stance)
+        n, rows, around = self.robot.n, self.robot.joints(q), surroundings((6,), gravity)
+        tau, found = self._vector("torques", torques, n), np.empty(6 + 2 * n)
+        status = _planted_forward(self._models, rows, tau, around, N, motion, found)
+        check_status(status, q=q, independent=independent, torques=tau, gravity=gravity)
+        return PlantedMotion(found[: 6 + n], found[6 + n :].reshape(-1, 3))
 
-    def _drift(self, q: ArrayLike, u: Array, stance: Sequence[str] | None) -> Array:
-        """Return the derivative of u, feet still, while w is constant: ``dN/dt w``, (6 + 3 k,)."""
-        standing, _ = self._legs_by_contact(stance)
-        rows, speeds = self.robot.joints(q), u[6:].reshape(-1, 3)
-        J = self.robot.foot_jacobians(q)[standing]
-        legs = self.robot.legs
-        bent = np.array([bias_acceleration(legs[k], rows[k], speeds[k])[3:] for k in standing])
-        turned = np.einsum("kij,kj->ki", J, speeds[standing]) @ cross_product_matrix(u[:3]).T
-        drift = np.zeros(6 + self.robot.n)
-        drift[6:].reshape(-1, 3)[standing] = -solve(J, turned + bent)
-        return drift
-
-    def _legs_by_contact(self, stance: Sequence[str] | None) -> tuple[list[int], list[int]]:
-        """Return the numbers of the standing legs, and of the lifted ones."""
-        standing = list(self.robot.standing(stance, 1))
-        return standing, [k for k in range(len(self.robot.legs)) if k not in standing]
-
-    def _all_rates(self, what: str, value: ArrayLike) -> Array:
-        return np.ascontiguousarray(as_single(what, value, (6 + self.robot.n,)))
+    def _vector(self, what: str, value: ArrayLike, size: int) -> Array:
+        return np.ascontiguousarray(as_single(what, value, (size,)))

@@ -9,7 +9,10 @@ from functools import cached_property
 
 import numpy as np
 
+from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.walking.gait_step import MOST_LEGS
+from robomech_ros._kernels.walking.planted import ZERO, planted_legs
+from robomech_ros.dynamics.checked_states import as_vector
 from robomech_ros.errors import BadValueError, SeedOutsideLimitsError
 from robomech_ros.kinematics import InverseKinematicsResult, forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import jacobian
@@ -23,9 +26,8 @@ from robomech_ros.typing import Array, ArrayLike, BoolArray
 from robomech_ros.walking.stance_mechanism import contact_rows, stance_mechanism
 
 _JOINTS = 3
-# Part of the greatest singular value below which one is zero.
-_ZERO = 1e-9
 _PLACE = (True, True, True, False, False, False)
+_planted_legs = direct(planted_legs)
 
 
 class LeggedRobot:
@@ -268,7 +270,7 @@ class LeggedRobot:
         """Refuse :meth:`foot_jacobians` if a standing leg, given by number, is singular."""
         values = np.linalg.svd(J[list(standing)], compute_uv=False)
         for k, (largest, _, least) in zip(standing, values, strict=True):
-            if least <= _ZERO * largest:
+            if least <= ZERO * largest:
                 what = f"posture of leg '{self.leg_names[k]}'"
                 raise BadValueError(what, self.joints(q)[k].tolist(), "one that is not singular")
 
@@ -330,13 +332,43 @@ class LeggedRobot:
         Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.4.
         """
         given = as_single("twist", twist, (6,))
-        standing = self.standing(stance, 1)
-        feet, J = self.feet(q), self.foot_jacobians(q)
-        self.check_regular(q, J, standing)
-        rates = np.zeros((len(self.legs), _JOINTS))
-        for k in standing:
-            rates[k] = np.linalg.solve(J[k], -(given[3:] + np.cross(given[:3], feet[k])))
-        return rates.ravel()
+        N, _ = self.planted_motion(q, None, stance)
+        return np.asarray(N[6:, :6] @ given)
+
+    def planted_motion(
+        self, q: ArrayLike, independent: ArrayLike | None, stance: Sequence[str] | None
+    ) -> tuple[Array, Array]:
+        """Compute what :class:`WalkingDynamics` calls N, and the motion N w of planted feet.
+
+        Parameters
+        ----------
+        q : array_like, shape (3 k,)
+            All joints (rad or m).
+        independent : array_like, shape (6 + 3 m,), or None
+            w: the twist of the trunk, then the rates of m legs in the air.  None is zero.
+        stance : sequence of str or None
+            The legs that stand, None for all.
+
+        Returns
+        -------
+        N : ndarray, shape (6 + 3 k, 6 + 3 m)
+            The complement.
+        motion : ndarray, shape (2, 6 + 3 k)
+            ``N w``, and its derivative while w is constant.
+
+        Raises
+        ------
+        BadValueError
+            A standing leg is singular.
+        """
+        standing, rows = self.standing(stance, 1), self.joints(q)
+        stands = np.array([k in standing for k in range(len(self.legs))], dtype=np.int64)
+        size = 6 + self.n - _JOINTS * len(standing)
+        w = np.zeros(size) if independent is None else as_vector("independent", independent, size)
+        N, motion = np.empty((6 + self.n, size)), np.empty((2, 6 + self.n))
+        if _planted_legs(self.packed, rows, stands, np.ascontiguousarray(w), N, motion):
+            self.check_regular(q, self.foot_jacobians(q), standing)
+        return N, motion
 
     def body_twist(
         self, q: ArrayLike, rates: ArrayLike, stance: Sequence[str] | None = None
@@ -366,7 +398,7 @@ class LeggedRobot:
         standing = list(self.standing(stance))
         speeds = np.einsum("kij,kj->ki", self.foot_jacobians(q), self.joints(rates, "rates"))
         rows = contact_rows(self.feet(q)[standing])
-        found, _, rank, _ = np.linalg.lstsq(rows, -speeds[standing].ravel(), rcond=_ZERO)
+        found, _, rank, _ = np.linalg.lstsq(rows, -speeds[standing].ravel(), rcond=ZERO)
         if rank < 6:
             names = [self.leg_names[k] for k in standing]
             raise BadValueError("feet that stand", names, "feet that are not on one line")

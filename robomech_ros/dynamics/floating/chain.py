@@ -160,7 +160,7 @@ class FloatingChain:
                 about[:3] += H[:3, 3:6] @ about[3:] / H[3, 3]
             twist = self._solved(H[:6, :6], about - H[:6, 6:] @ given)
         if not np.isfinite(twist).all():
-            _check(NOT_FINITE, qd=given, momentum=momentum)
+            check_status(NOT_FINITE, qd=given, momentum=momentum)
         return np.concatenate((twist, given))
 
     def generalized_jacobian(self, q: ArrayLike) -> Array:
@@ -310,7 +310,7 @@ class FloatingChain:
         given = self._values("efforts", efforts, 6)
         around, out = _surroundings(gravity, tip_wrench), np.empty(6 + self.n)
         status = _forward(self._models[0], values, u, given, around, out)
-        _check(status, q=values, rates=u, efforts=given, gravity=gravity, tip_wrench=tip_wrench)
+        check_status(status, q=values, rates=u, efforts=given, gravity=gravity, tip_wrench=tip_wrench)
         return out
 
     def torques(self, q: ArrayLike, rates: ArrayLike, qdd: ArrayLike) -> tuple[Array, Array]:
@@ -351,7 +351,7 @@ class FloatingChain:
         out, joints = np.empty((1, 11)), np.concatenate((np.zeros(6), values))
         moving = np.concatenate((u[3:6], u[:3], u[6:]))
         status = totals(self._models[0], joints[None], moving[None], out)
-        _check(status, q=values, rates=u)
+        check_status(status, q=values, rates=u)
         return out[0]
 
     def _solved(self, H: Array, right: Array) -> Array:
@@ -394,7 +394,7 @@ def floating_models(chains: Sequence[SerialChain], base: Body | None) -> Array:
 def floating_inertia(models: Array, q: Array) -> Array:
     """Compute the inertia (6 + k n, 6 + k n) of chains on one base at q (k, n)."""
     M = np.empty((6 + q.size, 6 + q.size))
-    _check(_mass(models, q, M), q=q.ravel())
+    check_status(_mass(models, q, M), q=q.ravel())
     return M
 
 
@@ -414,11 +414,11 @@ def floating_efforts(
         return out
     if not np.isfinite(out).all():
         status |= NOT_FINITE
-    _check(status, q=q.ravel(), rates=u, accelerations=du, gravity=gravity, tip_wrench=tip_wrench)
+    check_status(status, q=q.ravel(), rates=u, accelerations=du, gravity=gravity, tip_wrench=tip_wrench)
     return out
 
 
-def _check(status: int, **values: ArrayLike | None) -> None:
+def check_status(status: int, **values: ArrayLike | None) -> None:
     """Raise the error for the status of a kernel that was given these values."""
     if not status:
         return
