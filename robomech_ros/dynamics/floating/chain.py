@@ -310,7 +310,9 @@ class FloatingChain:
         given = self._values("efforts", efforts, 6)
         around, out = _surroundings(gravity, tip_wrench), np.empty(6 + self.n)
         status = _forward(self._models[0], values, u, given, around, out)
-        check_status(status, q=values, rates=u, efforts=given, gravity=gravity, tip_wrench=tip_wrench)
+        check_status(
+            status, q=values, rates=u, efforts=given, gravity=gravity, tip_wrench=tip_wrench
+        )
         return out
 
     def torques(self, q: ArrayLike, rates: ArrayLike, qdd: ArrayLike) -> tuple[Array, Array]:
@@ -414,7 +416,9 @@ def floating_efforts(
         return out
     if not np.isfinite(out).all():
         status |= NOT_FINITE
-    check_status(status, q=q.ravel(), rates=u, accelerations=du, gravity=gravity, tip_wrench=tip_wrench)
+    check_status(
+        status, q=q.ravel(), rates=u, accelerations=du, gravity=gravity, tip_wrench=tip_wrench
+    )
     return out
 
 
