@@ -331,9 +331,8 @@ class LeggedRobot:
         ----------
         Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.4.
         """
-        given = as_single("twist", twist, (6,))
         N, _ = self.planted_motion(q, None, stance)
-        return np.asarray(N[6:, :6] @ given)
+        return np.asarray(N[6:, :6] @ as_vector("twist", twist, 6))
 
     def planted_motion(
         self, q: ArrayLike, independent: ArrayLike | None, stance: Sequence[str] | None

@@ -58,6 +58,7 @@ def _forces() -> list[Row]:
         _row(
             "hexapod: motion on planted feet, 18 joints",
             lambda: dynamics.planted_forward(q, still[:6], lift),
+            limit=DYNAMICS_LIMIT,
         ),
     ]
 

@@ -119,6 +119,16 @@ def test_planted_feet_stand_still_and_torques_move_the_rest(peer):
     np.testing.assert_allclose(motion.forces[list(standing)], forces, atol=1e-9)
 
 
+def test_a_leg_that_is_only_nearly_stretched_still_stands():
+    robot = load_legged("go1")
+    q = robot.home.copy()
+    q[2] = -3e-8
+    (x, y, z), J = robot.feet(q)[0], robot.foot_jacobians(q)[0]
+    still = J @ WalkingDynamics(robot).complement(q)[6:9]
+    expected = [[0.0, -z, y, -1, 0, 0], [z, 0.0, -x, 0, -1, 0], [-y, x, 0.0, 0, 0, -1]]
+    np.testing.assert_allclose(still, expected, atol=1e-7)
+
+
 def test_shared_loads_give_back_the_motion(peer):
     """Forces and torques of a motion, put on Pinocchio's tree, accelerate it as asked."""
     robot, stance = peer.robot, STANCES[peer.robot.name]
@@ -204,6 +214,7 @@ def test_numbers_that_overflow_are_named(size):
         (lambda: dynamics.planted_forward(q, still, np.full(12, size)), "torques"),
         (lambda: dynamics.planted_forward(q, still, none, gravity=np.full(3, size)), "gravity"),
         (lambda: dynamics.stance_motion(q, still, np.full(6, size)), "changes"),
+        (lambda: dynamics.robot.stance_rates(q, np.full(6, size)), "twist"),
         (lambda: dynamics.inverse(q, np.zeros(18), np.zeros(18), gravity=[size] * 3), "gravity"),
     ):
         with pytest.raises((BadValueError, NonFiniteError), match=text):
