@@ -179,7 +179,7 @@ class WalkingDynamics:
         ndarray, shape (6 + 3 k, 6 + 3 m)
             For m legs in the air, in their order.
         """
-        return self.robot.planted_motion(q, None, stance)[0]
+        return self.robot.planted_legs(q, stance)[0]
 
     def stance_motion(
         self,
@@ -204,7 +204,7 @@ class WalkingDynamics:
         rates, accelerations : ndarray, shape (6 + 3 k,)
             u and its derivative.
         """
-        N, (u, drift) = self.robot.planted_motion(q, independent, stance)
+        N, (u, drift) = self.robot.planted_legs(q, stance, independent)
         return u, N @ as_vector("changes", changes, N.shape[1]) + drift
 
     def planted_forward(
@@ -231,7 +231,7 @@ class WalkingDynamics:
         gravity : array_like, shape (3,), optional
             In the axes of the trunk (m/s^2).
         """
-        N, motion = self.robot.planted_motion(q, independent, stance)
+        N, motion = self.robot.planted_legs(q, stance, independent)
         n, rows, around = self.robot.n, self.robot.joints(q), surroundings((6,), gravity)
         tau, found = self._vector("torques", torques, n), np.empty(6 + 2 * n)
         status = _planted_forward(self._models, rows, tau, around, N, motion, found)

@@ -27,6 +27,7 @@ from robomech_ros.walking.stance_mechanism import contact_rows, stance_mechanism
 
 _JOINTS = 3
 _PLACE = (True, True, True, False, False, False)
+_STILL = np.zeros(0)
 _planted_legs = direct(planted_legs)
 
 
@@ -331,27 +332,26 @@ class LeggedRobot:
         ----------
         Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 10.4.
         """
-        N, _ = self.planted_motion(q, None, stance)
+        N, _ = self.planted_legs(q, stance)
         return np.asarray(N[6:, :6] @ as_vector("twist", twist, 6))
 
-    def planted_motion(
-        self, q: ArrayLike, independent: ArrayLike | None, stance: Sequence[str] | None
+    def planted_legs(
+        self, q: ArrayLike, stance: Sequence[str] | None, independent: ArrayLike = _STILL
     ) -> tuple[Array, Array]:
-        """Compute what :class:`WalkingDynamics` calls N, and the motion N w of planted feet.
+        """Compute the complement N of :class:`WalkingDynamics`, and a motion with it.
 
         Parameters
         ----------
         q : array_like, shape (3 k,)
             All joints (rad or m).
-        independent : array_like, shape (6 + 3 m,), or None
-            w: the twist of the trunk, then the rates of m legs in the air.  None is zero.
         stance : sequence of str or None
             The legs that stand, None for all.
+        independent : array_like, shape (6 + 3 m,), optional
+            w: the twist of the trunk, then the rates of m legs in the air.  Default zero.
 
         Returns
         -------
         N : ndarray, shape (6 + 3 k, 6 + 3 m)
-            The complement.
         motion : ndarray, shape (2, 6 + 3 k)
             ``N w``, and its derivative while w is constant.
 
@@ -363,7 +363,7 @@ class LeggedRobot:
         standing, rows = self.standing(stance, 1), self.joints(q)
         stands = np.array([k in standing for k in range(len(self.legs))], dtype=np.int64)
         size = 6 + self.n - _JOINTS * len(standing)
-        w = np.zeros(size) if independent is None else as_vector("independent", independent, size)
+        w = np.zeros(size) if independent is _STILL else as_vector("independent", independent, size)
         N, motion = np.empty((6 + self.n, size)), np.empty((2, 6 + self.n))
         if _planted_legs(self.packed, rows, stands, np.ascontiguousarray(w), N, motion):
             self.check_regular(q, self.foot_jacobians(q), standing)

@@ -14,7 +14,7 @@ from robomech_ros._kernels.dynamics.forward import SINGULAR
 from robomech_ros._kernels.dynamics.inverse import three
 from robomech_ros._kernels.spatial.vectors import combined, cross, lower, mixed
 
-# A leg may be singular, which only its singular values can tell.
+# A standing leg may be singular; its singular values decide.
 DOUBTFUL = 1
 # Part of the greatest singular value below which one is zero.
 ZERO = 1e-9
@@ -24,9 +24,9 @@ _inverse, _mass = linked(floating_inverse), linked(floating_mass)
 
 @lean
 def _is_regular(J, A):
-    """Tell that no singular value of the lower half of J (6, 3), with factors A, is zero.
+    """Tell whether the lower half of J (6, 3), with factors A, is certainly regular.
 
-    Their product is the determinant, and none is above the root of the sum of all squares.
+    Its determinant is the product of the singular values, none above the root of their squares.
     """
     squares = 0.0
     for i in range(3, 6):
@@ -37,7 +37,7 @@ def _is_regular(J, A):
 
 @lean
 def _negative_contact_rows(foot, rows):
-    """Write to rows (3, 6) what takes the twist of the trunk to minus the velocity of a point."""
+    """Write the matrix (3, 6) from the twist of the trunk to minus the velocity of a foot."""
     x, y, z = foot
     rows[0, 1], rows[0, 2] = -z, y
     rows[1, 0], rows[1, 2] = z, -x
