@@ -1,5 +1,7 @@
 """Motions of closed loops: poses, rates and accelerations of all joints and of the platform."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from robomech_ros.errors import LoopClosureError

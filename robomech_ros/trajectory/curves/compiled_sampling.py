@@ -4,6 +4,8 @@ Planners do so; a controller, which samples one instant at a time, does without 
 has :meth:`PiecewisePolynomial.sample`.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from functools import cache
 from importlib import import_module

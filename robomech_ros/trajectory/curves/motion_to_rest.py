@@ -1,5 +1,7 @@
 """Motions that are piecewise polynomials and end at rest."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import ClassVar
 
