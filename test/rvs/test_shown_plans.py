@@ -87,8 +87,8 @@ def test_a_plan_from_here_to_there(page, layer, commander):
     np.testing.assert_allclose(page._plan.motion.q[0], home)
     np.testing.assert_allclose(page._plan.motion.q[-1], arm.q)
     page._ask("way", lambda: layer.choose_plan("line of the tip", "trapezoidal"))
-    wait_until(lambda: "one of poly345" in layer._status.content)
-    assert page._plan.motion is None and layer.warns
+    wait_until(lambda: "one of poly345" in layer._status.content and page._plan.motion is None)
+    assert layer.warns
     page._ask("way", lambda: layer.choose_plan("by train", "poly345"))
     wait_until(lambda: "Refused: way is" in page._stage._notice.content)
     assert layer.path_kind == "line of the tip"
