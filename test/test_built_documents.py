@@ -13,7 +13,7 @@ from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "doc" / "extensions"))
 
-from search_words import PAGES as PAGES_BY_WORDS
+from words_of_pages import WORDS
 
 BUILT = Path(__file__).resolve().parent.parent / "doc" / "_build"
 PAGES = sorted(BUILT.rglob("*.html"))
@@ -108,7 +108,7 @@ def check_formulas(tab, name):
 
 
 def test_the_search_lists_the_page_that_answers_first():
-    questions = {word: page for page, words in PAGES_BY_WORDS.items() for word in words}
+    questions = {word: page for page, words in WORDS.items() for word in words}
     assert len(questions) > 30
     with opened(BUILT / "search.html") as tab:
         for word, page in {**questions, "inverse_kinematics": "api/kinematics"}.items():
@@ -127,7 +127,7 @@ def test_newcomers_reach_the_page_that_answers_in_three_clicks():
             text = page.read_text("utf-8").partition("<article")[2]
             targets = re.findall(r'href="([^":#]+\.html)', text)
             reached |= {(page.parent / target).resolve() for target in targets}
-    assert [page for page in PAGES_BY_WORDS if BUILT / f"{page}.html" not in reached] == []
+    assert [page for page in WORDS if BUILT / f"{page}.html" not in reached] == []
 
 
 def test_at_least_five_notebooks_have_scenes():
