@@ -34,15 +34,15 @@ class MotionClock:
     simulation.  What that goes back, or forward by more than its usual steps, is left out: no step
     of the clock moves a joint.  Stamps of messages are always ROS time.
 
-    - ``node``: whose time it is.
+    - ``node``: gives the ROS time, and the parameter use_sim_time.
     """
 
     def __init__(self, node: Node) -> None:
         self._ros = node.get_clock()
         self._log = ThrottledLog(node.get_logger())
-        #: Whether it is the simulated time.
+        #: Whether the clock shows simulated time.
         self.simulated = bool(node.get_parameter("use_sim_time").value)
-        #: For timers.
+        #: The clock that timers use.
         self.clock = self._ros if self.simulated else Clock(clock_type=ClockType.STEADY_TIME)
         self._listeners: list[Callable[[float], None]] = []
         self._jumped = self._latest = 0

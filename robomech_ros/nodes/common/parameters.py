@@ -206,12 +206,12 @@ def table_rows(table: type) -> tuple[ParameterRow, ...]:
 class NodeParameters(Generic[Settings]):
     """The declared parameters of a node.
 
-    - ``node``: gets the parameters declared.
+    - ``node``: the node that declares the parameters.
     - ``table``: frozen dataclass whose fields come from :func:`parameter`.
     - ``on_change``: called with the new settings after a parameter changed at run time.
     - ``check``: called with the new settings before; it raises ParameterError to refuse them.
-    - ``former``: for names that others give a parameter the name that it has here.
-    - ``later``: what names of parameters begin with, before a dot, that `declare` adds.
+    - ``former``: current names of parameters by other accepted names.
+    - ``later``: prefix, without its dot, of the names of parameters that `declare` adds.
 
     Raises ParameterError: a value given at start is of the wrong type or out of range.
     """
@@ -227,7 +227,7 @@ class NodeParameters(Generic[Settings]):
     ) -> None:
         # Not the node: a circle would keep one alive that cannot start.
         self._former, self._later = {**_EARLIER, **(former or {})}, later
-        #: Those of the parameters that `declare` has added, by name.
+        #: Values of the parameters that `declare` has added, by name.
         self.further: dict[str, Any] = {}
         self._rows = {row.name: row for row in table_rows(table)}
         self._on_change = on_change

@@ -56,9 +56,9 @@ class Progress:
     """Calibration result after a number of samples."""
 
     count: int
-    #: Error of the camera's pose against the truth, as pose_error has it (rad, m), shape (6,).
+    #: Error of the camera's pose, from `pose_error`, rotation first (rad, m), shape (6,).
     error: Array
-    #: As stated, rotation first, shape (6, 6).
+    #: Covariance that the calibration states, rotation first (rad, m), shape (6, 6).
     covariance: Array
 
     @property

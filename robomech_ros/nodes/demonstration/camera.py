@@ -33,13 +33,13 @@ _MISTAKE = (0.0, 0.0, 0.5 * np.pi, 0.0, 0.0, 0.0)
 class Scene:
     """Poses of camera and target."""
 
-    #: Whether the camera is on the hand, and the target stands; else the other way round.
+    #: Whether the hand carries the camera, and the target stands; else it carries the target.
     in_hand: bool
-    #: In the hand, or in the base, shape (4, 4).
+    #: Pose of the camera in the hand, or in the base if it stands (m), shape (4, 4).
     camera: Array
-    #: In the base, or in the hand, shape (4, 4).
+    #: Pose of the target in the base, or in the hand if that carries it (m), shape (4, 4).
     target: Array
-    #: In the base, shape (3,): what the hand is best turned about to keep the target in view.
+    #: Point in the base (m) about which the hand turns to keep the target in view, shape (3,).
     centre: Array
 
     def seen(self, hand: Array) -> Array:

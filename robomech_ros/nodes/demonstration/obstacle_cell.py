@@ -48,7 +48,7 @@ class ObstacleCell:
     standing: dict[str, tuple[Box, Array]]
     pick: Array
     place: Array
-    #: From the tip to the part (m).
+    #: Distance from the tip to the part (m).
     gripper: float
     #: Links that may touch the part: the tip, and the links fixed to it.
     touch_links: tuple[str, ...]

@@ -36,7 +36,7 @@ class TipPath(NamedTuple):
     name: str
     #: A kind of PlanCartesian, such as ``"STRAIGHT"``.
     path: str
-    #: In the base (m), shape (m, 4, 4).
+    #: Poses of the tip in the base (m), shape (m, 4, 4).
     waypoints: Array
 
 

@@ -18,8 +18,8 @@ class Sample(NamedTuple):
 
     stamp: int  #: ns of ROS time.
     parent: str
-    place: tuple[float, ...]  #: Of its origin, in the parent (m).
-    turn: tuple[float, ...]  #: Unit quaternion x, y, z, w.
+    place: tuple[float, ...]  #: Origin of the frame in the parent (m).
+    turn: tuple[float, ...]  #: Orientation, a unit quaternion x, y, z, w.
 
 
 class FrameHistory:

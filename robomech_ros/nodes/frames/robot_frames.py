@@ -36,9 +36,9 @@ _UNKNOWN_FRAME_WAIT = 0.5
 class FrameAttachment:
     """Location of a frame, as far as joints do not move it."""
 
-    #: From the base to the link that carries the frame; None where that is the base.
+    #: Chain from the base to the link that carries the frame; None if that is the base.
     chain: SerialChain | None
-    #: Pose of the frame in that link (m); None for the link itself, shape (4, 4) or None.
+    #: Pose (4, 4) of the frame in that link (m); None if the frame is that of the link.
     offset: Array | None
 
     @property

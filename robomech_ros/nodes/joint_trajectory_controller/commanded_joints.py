@@ -79,14 +79,13 @@ class CommandedJoints:
     Cycles come from another thread than callbacks: its lock is to be held while it or its follower
     is used, other than by `execute`.
 
-    - ``place``: where its topics and actions are, such as ``~``.
+    - ``place``: namespace of its topics and actions, such as ``~``.
     - ``joints``: names and limits of n joints.
     - ``simulated_joints``: the joints themselves, where a reset puts them.
     - ``lock``: shared by all joints that are commanded in one process.
-    - ``start``: where all joints are at first (rad or m); by default those that are commanded.
+    - ``start``: initial positions of all joints (rad or m); by default of the commanded ones only.
     - ``refuse_all``: why no trajectory is accepted any more; empty while trajectories are accepted.
-    - ``fault``: why the present state may not be published, so that the joints hold; empty if it
-      may.
+    - ``fault``: why the joints hold and their state is not published; empty if it is published.
     """
 
     # The state that is published, and where all joints really are (rad or m).
@@ -106,12 +105,12 @@ class CommandedJoints:
         self.place = place
         self.joint_names: Sequence[str] = list(joints.names)
         self.lock = lock
-        self.counts = MotionCounts()  #: What has become of trajectories so far.
+        self.counts = MotionCounts()  #: Numbers of trajectories by outcome.
         self.refuse_all = self.fault = ""
         self.simulated_joints, self._settings, self._clock = simulated_joints, settings, clock
-        #: Of trajectories that bring none.
+        #: Tolerances of trajectories that bring none.
         self.tolerances = default_tolerances(settings, self.joint_names, {})
-        #: What moves them.
+        #: Moves the joints along trajectories.
         self.follower = TrajectoryFollower(
             joints, simulated_joints, follower_settings(settings), clock.now()
         )

@@ -48,7 +48,7 @@ class FloatingArm(SimulatedRobot):
         self._robot, self._momentum = robot, settings.momentum or None
         initial = initial_position(settings, Limits.of(robot.chain), robot.chain.home())
         self._load, self._moved_at = _load(settings), clock.now()
-        #: As of the state that is published.
+        #: The base at the published state.
         self.base = FloatingBase(robot, initial, self._momentum)
         super().__init__(robot.chain.name, robot.chain, initial, settings, clock)
         self._capture(settings)

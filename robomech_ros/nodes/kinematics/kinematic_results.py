@@ -13,13 +13,15 @@ from robomech_ros.typing import Array
 class PostureReport:
     """Singularity report on a posture, with the fields of an AnalyzeSingularity response.
 
-    - ``lost_directions``, ``free_directions``: twists of the point that are lost, and those it can
-      have with locked drives, angular first, in the base, shape (r, 6).
+    - ``lost_directions``: twists that the point cannot do, shape (r, 6).
+    - ``free_directions``: twists of the point that locked drives allow, shape (r, 6).
+
+    Twists have the angular part first, in the axes of the base.
     """
 
-    position: Array  #: Of the point, in the base (m), shape (3,).
-    #: Of the point in the axes of the base, angular rows first; None where the drives of a parallel
-    #: robot do not determine its motion, shape (6, m) or None.
+    position: Array  #: Position of the point in the base (m), shape (3,).
+    #: Jacobian (6, m) of the point in the axes of the base, angular rows first; None if the drives
+    #: of a parallel robot do not determine its motion.
     jacobian: Array | None
     singular_values: Array
     rank: int

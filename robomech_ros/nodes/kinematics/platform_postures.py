@@ -15,15 +15,16 @@ from robomech_ros.typing import Array
 class PlatformSolutions:
     """Data for `encode_result`: k postures of n joints, nearest to the seed first.
 
-    - ``seed_distance``, ``position_error``, ``orientation_error``: from the seed by the metric
-      asked for (rad, m), and how far the limb that is farthest off holds the platform from the pose
-      (m, rad), shape (k,).
-    - ``condition_number``, ``limit_margin``: of the twists of the drives in SI units, and of the
-      joint nearest to a limit, or to the end of its cone (rad or m), shape (k,).
+    - ``seed_distance``: distance from the seed by the requested metric (rad or m), shape (k,).
+    - ``position_error``, ``orientation_error``: greatest deviation of a limb from the pose (m,
+      rad), shape (k,).
+    - ``condition_number``: condition number of the twists of the drives in SI units, shape (k,).
+    - ``limit_margin``: distance of a joint from its nearest limit, or from the end of its cone (rad
+      or m), the least of all joints, shape (k,).
     """
 
     q: Array  #: All joints, limb by limb (rad or m), shape (k, n).
-    branches: tuple[str, ...]  #: Of each, one sign for each limb.
+    branches: tuple[str, ...]  #: Branch of each posture, one sign per limb.
     seed_distance: Array
     position_error: Array
     orientation_error: Array
@@ -32,9 +33,9 @@ class PlatformSolutions:
     complete: bool  #: Whether the postures are provably all, before any cut.
     status: Code
     reason: str
-    #: The joint of each limb whose limits exclude the pose, of the limbs where they do.
+    #: Joints whose limits exclude the pose, one of each limb that cannot reach it.
     blocking_joints: tuple[str, ...]
-    blocking_excess: Array  #: By how much (rad or m).
+    blocking_excess: Array  #: How far each exceeds its limit (rad or m).
     family: str = "parallel"
 
 

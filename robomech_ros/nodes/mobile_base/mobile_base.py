@@ -18,34 +18,34 @@ from robomech_ros.typing import Array
 class BaseOptions:
     """How a base follows commands and tells where it is."""
 
-    period: float  #: Of its updates (s).
-    timeout: float  #: How long a command counts (s); 0 as the interface says.
+    period: float  #: Period of updates (s).
+    timeout: float  #: How long a command counts (s); 0 for the interface's default.
     open_loop: bool = False  #: Whether odometry is that of limited commands.
     by_position: bool = True  #: Whether odometry reads positions of wheels, not velocities.
-    window: int = 1  #: Twists whose mean is told.
+    window: int = 1  #: Number of twists whose mean is published.
     dynamic: bool = False  #: Whether torques move the base.
-    wheel_position: float = 0.0  #: At which its wheels begin (rad).
+    wheel_position: float = 0.0  #: Initial position of the wheels (rad).
 
 
 class MobileBase:
     """A base on wheels, its limits, its simulation and its odometry.
 
-    - ``interface``: of its drive.
+    - ``interface``: topics and parameters of its kind of drive.
     """
 
     def __init__(self, robot: RollingRobot, interface: Interface, options: BaseOptions) -> None:
         self.robot, self.interface, self.options = robot, interface, options
         self.limiter = CommandLimiter(robot.base, robot.limits, options.period)
-        #: Limited commands: twist, acceleration, steering, what limits shortened them.
+        #: Limited command: twist, acceleration, steering, and the limits that reduced it.
         self.motion = self.limiter.at_rest()
         self.simulated = SimulatedBase(robot, options.dynamic, options.wheel_position)
         self.odometry = Odometry.at()
-        #: Commanded to the driven wheels (rad/s), shape (k,).
+        #: Commanded rates of the driven wheels (rad/s), shape (k,).
         self.wheel_rates = np.zeros(len(robot.base.driven))
-        #: Of the steered wheels (rad/s), shape (s,).
+        #: Steering rates of the steered wheels (rad/s), shape (s,).
         self.steering_rates = np.zeros(len(robot.base.steered))
-        self.timed_out = True  #: Whether the base brakes, or stands, since there is no command.
-        self.time = 0.0  #: Of the last update (s).
+        self.timed_out = True  #: Whether the base brakes or stands for lack of a command.
+        self.time = 0.0  #: Time of the last update (s).
         self._target = self._standing = self.limiter.allowed(np.zeros(3))
         self._since, self._used = -math.inf, True
         # The first reading: odometry begins where the encoders happen to be.

@@ -33,9 +33,9 @@ class CartesianQuestion:
     - ``velocity_scale``, ``acceleration_scale``: parts of the limits that may be used.
     """
 
-    chain: SerialChain  #: To the link that goes along the path.
-    joint_names: tuple[str, ...]  #: Joints of the group, which the answer is for.
-    positions: Positions  #: Where all joints are that are known, rad or m.
+    chain: SerialChain  #: Chain from the base to the link that follows the path.
+    joint_names: tuple[str, ...]  #: Joints of the group, in the order of the answer.
+    positions: Positions  #: Positions of all known joints (rad or m).
     waypoints: Array  #: Poses of the link in the base (m), shape (m, 4, 4).
     step: float  #: Largest distance of neighbouring points (m).
     #: Largest move of the joints between two points, over the mean; infinite for any.
@@ -45,7 +45,7 @@ class CartesianQuestion:
     conditions: Conditions  #: What must hold all along the path.
     velocity_scale: float
     acceleration_scale: float
-    limited: SerialChain  #: To the link whose speed is limited.
+    limited: SerialChain  #: Chain to the link with limited speed.
     speed: float  #: Largest speed of that link (m/s); infinite for any.
 
     @property

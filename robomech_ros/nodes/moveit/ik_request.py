@@ -19,7 +19,7 @@ from robomech_ros.typing import Array
 class IkTarget(NamedTuple):
     """The wanted pose of one link."""
 
-    chain: SerialChain  #: To the link.
+    chain: SerialChain  #: Chain from its base to the link.
     pose: Array  #: ``T_base_link`` in the base of the chain (m), shape (4, 4).
 
 
@@ -27,10 +27,10 @@ class IkTarget(NamedTuple):
 class IkRequest:
     """Checked content of an inverse kinematics request."""
 
-    targets: tuple[IkTarget, ...]  #: Of chains that have no joint in common.
-    positions: Positions  #: Where all joints are, rad or m.
-    conditions: Conditions  #: What must hold of an answer.
-    timeout: float | None  #: s; None for any time.
+    targets: tuple[IkTarget, ...]  #: Targets of chains without common joints.
+    positions: Positions  #: Positions of all joints (rad or m).
+    conditions: Conditions  #: Conditions on the answer.
+    timeout: float | None  #: Longest search (s); None for no limit.
 
 
 async def read_ik_request(request: Any, robot: WholeRobot, patience: float) -> IkRequest:

@@ -35,7 +35,7 @@ class PoseTarget:
       and rad; 0 for the solver's default.
     """
 
-    chain: SerialChain  #: To the link.
+    chain: SerialChain  #: Chain from its base to the link.
     pose: Array  #: ``T_base_link`` in the base of the chain (m), shape (4, 4).
     #: Which components of the pose count, x y z rx ry rz in the axes of the pose.
     task_mask: tuple[bool, ...]
@@ -61,13 +61,13 @@ class MotionRequest:
 
     group: str
     chain: SerialChain  #: The chain that moves.
-    positions: Positions  #: Where all joints are that are known, rad or m.
-    goals: tuple[MotionGoal, ...]  #: One of them is to be reached.
+    positions: Positions  #: Positions of all known joints (rad or m).
+    goals: tuple[MotionGoal, ...]  #: Alternatives; the motion reaches one.
     velocity_scale: float
     acceleration_scale: float
-    limited: SerialChain  #: To the link whose speed is limited.
+    limited: SerialChain  #: Chain to the link with limited speed.
     speed: float  #: Largest speed of that link (m/s); infinite for any.
-    time: float  #: For planning (s).
+    time: float  #: Time allowed for planning (s).
     planner: str  #: Name of a planner; empty for the default.
 
     @property

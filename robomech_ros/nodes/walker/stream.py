@@ -33,9 +33,9 @@ _PEAK = 1.5
 class Knot(NamedTuple):
     """A moment of the walk."""
 
-    time: float  #: s.
-    update: WalkUpdate  #: The walk then.
-    moment: Walker  #: From where it could go on.
+    time: float  #: Time of the moment (s).
+    update: WalkUpdate  #: State of the walk.
+    moment: Walker  #: The walker, ready to go on from this state.
 
 
 class WalkStream:

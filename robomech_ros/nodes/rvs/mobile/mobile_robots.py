@@ -24,20 +24,21 @@ _BASE_PERIOD, _WALKER_PERIOD = 0.005, 0.02
 
 @dataclass(frozen=True, eq=False)
 class MobileRobot:
-    """A robot over the ground, and how it is heard and commanded.
+    """A robot that moves over the ground, its topics and its node.
 
-    - ``command``, ``odometry``: topics, of stamped twists and of odometry.
+    - ``followed``: the robot as the page draws it.
+    - ``command``, ``odometry``: topics of stamped twists and of odometry.
     """
 
-    name: str  #: Of the robot.
+    name: str  #: Name of the robot.
     followed: ObservedRobot
-    node: str  #: Name of its node, which says on /diagnostics what limits it.
+    node: str  #: Name of its node, which publishes its limits on /diagnostics.
     command: str
     odometry: str
-    #: How often twists are sent while a button is held (s): some drives follow each of them for one
-    #: of their periods alone.
+    #: Period of twists while a button is held (s). Some drives follow each twist for only one of
+    #: their own periods.
     period: float
-    legged: LeggedRobot | None = None  #: If it walks.
+    legged: LeggedRobot | None = None  #: Its legs; None if it rolls.
 
 
 def _rolling(settings: RvsSettings) -> MobileRobot:
