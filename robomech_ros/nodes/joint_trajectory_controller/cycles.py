@@ -22,9 +22,9 @@ class Cycles:
     With simulated time, which comes through the executor, it is a timer of the node.  Cycles that
     are missed are left out, and those after them come when they would have come.
 
-    - ``node``: whose cycle it is.
+    - ``node``: the node that does the work.
     - ``rate``: cycles per second.
-    - ``work``: what is to be done in each of them.
+    - ``work``: called in each cycle.
     """
 
     def __init__(

@@ -31,13 +31,12 @@ class MotionRanAwayError(OutcomeError):
 class DynamicPlant:
     """Moves joints by drives that a controller of torques commands, a thousand times a second.
 
-    - ``robot``: of n joints, with the bodies that they move: what the controller of its m drives
-      knows.
-    - ``settings``: which controller, how fast, and the payload that it does not know of.
-    - ``posture``: where all joints are at first, rad or m, shape (n,).
+    - ``robot``: robot of n joints and their bodies, as the controller of its m drives knows it.
+    - ``settings``: type and speed of the controller, and the payload that it does not know of.
+    - ``posture``: initial positions of all joints (rad or m), shape (n,).
 
-    Raises MissingInertiaError: nothing is known of the mass of some links, which are named.
-    BadValueError: no body can have the mass and inertia of one, or the joints are too many.
+    Raises MissingInertiaError: the mass of some links is not known; they are named. BadValueError:
+    the mass and inertia of a body are impossible, or there are too many joints.
     """
 
     def __init__(

@@ -95,7 +95,7 @@ class ExecuteMessages:
 class GoalServer(ActionBase[TrajectoryGoal]):
     """Serves the action.
 
-    - ``messages``: those of the action: what its goals ask for, and how its results are put.
+    - ``messages``: reads the goals of the action, and writes its feedback and results.
     """
 
     _what = "goal"

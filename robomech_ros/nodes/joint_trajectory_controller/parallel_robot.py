@@ -43,19 +43,19 @@ _TURN = 2.0 * math.pi
 def checked_drives(
     mechanism: Mechanism, received: Waypoints, passive: Sequence[str], posture: Array
 ) -> Waypoints:
-    """Check a trajectory from a posture on, and give the part of the drives.
+    """Check a trajectory from a posture on, and return the part of the drives.
 
-    - ``mechanism``: of n joints and m drives.
-    - ``received``: of the drives and, behind them, of passive joints; NaN for drives that are not
-      named.
+    - ``mechanism``: mechanism of n joints and m drives.
+    - ``received``: waypoints of the drives, then of passive joints; NaN for missing drives.
     - ``passive``: names of these passive joints.
     - ``posture``: all joints now (rad or m), loops closed, shape (n,).
 
     Returns the part of the drives.
 
-    Raises LimitExceededError: a drive is to be outside its limits. OutcomeError: it crosses a
-    singularity, or a passive joint leaves its limits: after which point. TrajectoryRefusedError: a
-    passive joint is to be where the drives do not move it, as in another assembly mode.
+    Raises LimitExceededError: a drive would leave its limits. OutcomeError: the motion crosses a
+    singularity, or a passive joint leaves its limits; the text names the point before.
+    TrajectoryRefusedError: the drives do not move a passive joint to its given position, as in
+    another assembly mode.
     """
     m = mechanism.dof
     _require_limits(mechanism, received.positions[:, :m])

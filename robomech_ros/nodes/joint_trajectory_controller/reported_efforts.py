@@ -19,7 +19,7 @@ _OLDEST = NANO // 2
 class ReportedEfforts:
     """Keeps the latest efforts of all joints of a robot, from a topic.
 
-    - ``topic``: of JointState messages with efforts (N m or N).
+    - ``topic``: topic of JointState messages with efforts (N m or N).
     - ``names``: joints whose efforts are kept, in this order.
     - ``lock``: held while efforts change, and to be held while they are read.
     """

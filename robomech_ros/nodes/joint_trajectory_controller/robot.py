@@ -35,12 +35,11 @@ if TYPE_CHECKING:
 class SimulatedRobot(CommandedJoints):
     """The joints that trajectories command, moved exactly, with a lag, or by forces of drives.
 
-    - ``name``: what the robot is called.
+    - ``name``: name of the robot.
     - ``limits``: names and limits of the n joints.
-    - ``initial``: where they are at start, rad or m, shape (n,).
-    - ``plant``: the drives and what they move, where forces are simulated.
-    - ``start``: where all joints are at start (rad or m), if others than these n are published,
-      too.
+    - ``initial``: initial positions of these joints (rad or m), shape (n,).
+    - ``plant``: drives and bodies of a simulation with forces.
+    - ``start``: initial positions of all joints (rad or m), if more than these n are published.
     - ``floats``: whether its base moves freely.
     """
 

@@ -154,9 +154,9 @@ def workspace_cloud(frame: str, T: Array, count: IntArray, distance: Array) -> P
     """Make a cloud of judged poses: x, y, z, how many solutions, distance from the boundary.
 
     - ``frame``: base of the chain.
-    - ``T``: m, shape (m, 4, 4).
-    - ``count``: shape (m,).
-    - ``distance``: m, NaN where it is not known, shape (m,).
+    - ``T``: poses in the base (m), shape (m, 4, 4).
+    - ``count``: numbers of solutions, shape (m,).
+    - ``distance``: distances from the boundary (m), NaN if unknown, shape (m,).
     """
     rows = np.column_stack((T[:, :3, 3], count, distance)).astype("<f4")
     names = ("x", "y", "z", "solutions", "boundary_distance")

@@ -81,7 +81,7 @@ def conditions(mechanism: Mechanism, q: Array, length: float = 1.0) -> Array:
     """Return condition numbers of the twists of the drives, (k,), infinite where singular.
 
     - ``q``: all joints (rad or m), loops closed, shape (k, n).
-    - ``length``: by which linear rows are divided (m); default none, in SI units.
+    - ``length``: length by which linear rows are divided (m); by default they stay in SI units.
     """
     out = np.full(len(q), np.inf)
     for k, row in enumerate(q):

@@ -67,8 +67,8 @@ async def solve_in_turns(
 
     - ``T``: wanted poses of the tip in the base (m), shape (m, 4, 4).
     - ``allowed``: time (s) after which no further poses are solved.
-    - ``turns``: those of the node that does it.
-    - ``**options``: of ``Manipulator.solve_many``.
+    - ``turns``: time slices of the node.
+    - ``**options``: options of ``Manipulator.solve_many``.
     """
     size, done = _FIRST if robot.closed_form else _FIRST_ITERATIVE, 0
     lists = BatchLists(robot)

@@ -19,7 +19,7 @@ class BaseOptions:
     """How a base follows commands and tells where it is."""
 
     period: float  #: Period of updates (s).
-    timeout: float  #: How long a command counts (s); 0 for the interface's default.
+    timeout: float  #: How long a command counts (s); for 0 see `Interface.at_zero`.
     open_loop: bool = False  #: Whether odometry is that of limited commands.
     by_position: bool = True  #: Whether odometry reads positions of wheels, not velocities.
     window: int = 1  #: Number of twists whose mean is published.

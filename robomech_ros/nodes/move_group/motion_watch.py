@@ -18,11 +18,11 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.trajectory.waypoints import Waypoints
 from robomech_ros.typing import Array
 
-# How often a changing world is looked at, s.
+# Shortest time between two checks of a changing world, s.
 _PERIOD = 0.1
-# Longest time from a change to the end of its check, s: a busier node stops the robot.
+# Longest time from a change to the end of its check, s; if it takes longer, the robot stops.
 _LATEST = 0.4
-# The motion of at least this time ahead, and at most twice of it, is checked again (s).
+# A repeated check covers at least this time ahead, and at most twice this time (s).
 _AHEAD = 5.0
 # The path is sampled at this period (s) to locate the robot on it. The search ahead allows for a
 # clock of the robot that runs this much faster than the machine's, plus a margin (s).
@@ -39,10 +39,10 @@ _DEPTHS = 100
 class MotionWatch:
     """Checks a motion for contacts, and later the rest of it.
 
-    - ``known``: gives the present positions of the joints that are known (rad or m).
+    - ``known``: returns the present positions of all known joints (rad or m).
     - ``joint_names``: the moving joints. A motion of unknown joints is not checked: the controller
       refuses it.
-    - ``waypoints``: in the order of the names (rad or m).
+    - ``waypoints``: waypoints of the motion, in the order of the names (rad or m).
     """
 
     def __init__(
@@ -57,7 +57,8 @@ class MotionWatch:
         self._known = known
         self._motion = _motion(self.chain, known(), list(joint_names), waypoints)
         self._world: Any = None
-        # The next check is not due before this; the checked world was the present one at this time.
+        # Times: before the first no check is due; at the second the checked world was the present
+        # one; since the third the present world may differ from it.
         self._due, self._current_at, self._unchecked_since = 0.0, math.inf, math.inf
         self._checked_until = -math.inf
         self._index, self._located_at = 0, time.monotonic()
@@ -68,7 +69,7 @@ class MotionWatch:
             self._postures: Array = self._motion.sample(self._times).position
 
     def is_due(self, world: Any) -> bool:
-        """Return whether the motion must be checked: the world or the part ahead is another."""
+        """Return whether to check the motion: the world changed, or the checked part runs out."""
         if self._motion is None:
             return False
         self._follow()
@@ -84,8 +85,8 @@ class MotionWatch:
     def obstruction(self, scene: PlanningScene) -> str:
         """Say why the rest of the motion must not go on in the chain's scene; "" if it may.
 
-        It would touch something, or the check was late: the robot might not stop in time. The first
-        check is of the whole motion, later ones are of the next seconds.
+        Either it would touch something, or the check was so late that the robot might not stop in
+        time. The first check covers the whole motion, later ones the next seconds.
         """
         assert self._motion is not None
         if self._index == len(self._times) - 1:

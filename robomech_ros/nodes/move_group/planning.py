@@ -47,10 +47,10 @@ _FULL_POSE = 6
 class PlannedMotion:
     """A motion in messages."""
 
-    start: Any  #: RobotState; of the whole robot.
-    trajectory: Any  #: RobotTrajectory.
+    start: Any  #: Start of the motion, a RobotState of the whole robot.
+    trajectory: Any  #: The motion, a RobotTrajectory.
     seconds: float  #: How long planning took.
-    note: str  #: What is special about it; else empty.
+    note: str  #: Remark on the plan; may be empty.
 
 
 class MotionPlanning:
@@ -160,7 +160,7 @@ def _at_limits(chain: SerialChain, q: Array, most: float) -> Array:
 def _postures(question: MotionRequest, start: Array) -> Array:
     """Find all postures (k, n) that reach one of the goals (rad or m).
 
-    Raises RejectedError: there is none.
+    Raises RejectedError: no posture reaches any goal.
     """
     rows, reasons, codes = [], [], []
     for i, goal in enumerate(question.goals):

@@ -22,7 +22,7 @@ from robomech_ros.nodes.move_group.world import World
 def refuse_unserved(scene: Any) -> None:
     """Refuse parts of a scene that this node cannot take.
 
-    Raises BadValueError: it is named.
+    Raises BadValueError: the scene has an octomap, or padding or scale of a link.
     """
     if size := len(scene.world.octomap.octomap.data):
         raise BadValueError("world.octomap", f"{size} bytes", "none: octomaps are not supported")
@@ -40,7 +40,7 @@ def frames_of_scene(objects: Iterable[Any], attached: Iterable[Any], world: Worl
 
     - ``objects``: iterable of CollisionObject.
     - ``attached``: iterable of AttachedCollisionObject.
-    - ``world``: as it is before.
+    - ``world``: the world before the change.
     """
     frames = {one.header.frame_id for one in objects if one.operation != CollisionObject.REMOVE}
     for message in attached:
@@ -66,9 +66,9 @@ def write_scene(
 ) -> PlanningScene:
     """Write the parts of a scene that a client wants.
 
-    - ``joint_state``: JointState; the present one.
-    - ``bodies``: links with shapes, then objects.
-    - ``ignored``: pairs of them that are not checked.
+    - ``joint_state``: the present JointState.
+    - ``bodies``: names of links with shapes, then of objects.
+    - ``ignored``: pairs of bodies that are not checked.
     - ``wanted``: sum of constants of PlanningSceneComponents; 0 for all.
     """
     scene = PlanningScene()

@@ -37,7 +37,7 @@ _STATE_PERIOD, _MOVED = 0.1, 1e-4
 class SceneServices:
     """Takes changes of the scene from clients, and publishes it.
 
-    - ``scenes``: follow what clients do.
+    - ``scenes``: the scenes that follow the changes.
     """
 
     def __init__(

@@ -17,23 +17,23 @@ from robomech_ros.robots import DisabledCollision, SerialChain
 
 
 class Scenes:
-    """One scene for each chain that requests are about; all follow the world.
+    """One collision scene for each requested chain; all follow the world.
 
     - ``padding``: thickness that is added to every link (m).
     """
 
     def __init__(self, model: RobotModel, worker: Worker, padding: float) -> None:
         self._model, self._worker, self._padding = model, worker, padding
-        #: What clients have made of the scene; a changed one replaces it.
+        #: The planning scene as clients have made it; each change replaces it by a new one.
         self.world = World(model.base_frame, model.description.links, model.link_of)
         self._followers: dict[tuple[str, str], _Follower] = {}
         self._remaking: Future | None = None
         self._configured()
 
     def adopt(self, world: World, positions: Positions) -> None:
-        """Let another world take the place of this one, unless it has what a scene cannot have.
+        """Replace the world, unless the new one has an object that no scene can have.
 
-        Raises RobomechError: a shape without a volume, or planes that a link is to carry.
+        Raises RobomechError: a shape has no volume, or a link is to carry a plane.
         """
         self._configured().at(world, positions)
         self.world = world

@@ -33,11 +33,11 @@ Poses = Mapping[str, Array]
 class SceneObject:
     """An object of the planning scene."""
 
-    #: CollisionObject; as it was given, with its pose in the base, or in the link that carries it.
+    #: The received CollisionObject, with its pose in the base, or in the link that carries it.
     message: Any
     #: Shapes of the library, and their poses in the object, shape (4, 4) (m).
     shapes: tuple[PlacedShape, ...]
-    pose: Array  #: Pose in the base, or in the link (m), shape (4, 4).
+    pose: Array  #: Pose in the base, or in the link that carries it (m), shape (4, 4).
     link: str = ""  #: The link that carries it; empty for none.
     touch_links: tuple[str, ...] = ()  #: Further links that may touch it.
     weight: float = 0.0  #: Its mass (kg); 0 if it is not known.
@@ -87,8 +87,8 @@ class World:
 
         - ``message``: CollisionObject.
         - ``poses``: where its frame is.
-        - ``attached``: objects that the same scene attaches: their removal from the world changes
-          nothing.
+        - ``attached``: names of objects that the same scene attaches; a message that removes one
+          of them from the world is accepted and changes nothing.
 
         Raises RobomechError: a part of the message is invalid, or there is no such object.
         """
@@ -176,7 +176,7 @@ class World:
         - ``matrix``: AllowedCollisionMatrix.
         - ``ignored``: pairs of bodies that are not checked now.
 
-        Raises WrongSizeError: it is no square matrix of its names.
+        Raises WrongSizeError: the matrix is not square, or does not have a row for each name.
         """
         names, rows = matrix.entry_names, matrix.entry_values
         sizes = [len(rows), *(len(row.enabled) for row in rows)]

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class GripperClient:
     """Commands the gripper; methods may be called from any thread.
 
-    - ``view``: shows what came of it.
+    - ``view``: shows the results.
     """
 
     def __init__(
@@ -33,7 +33,7 @@ class GripperClient:
         self._number = 0
         self._handle: Any = None
         self._name = f"{settings.gripper_controller}/gripper_cmd"
-        #: None if the robot has none, or control_msgs is not installed.
+        #: The gripper; None if the robot has none, or control_msgs is not installed.
         self.gripper = None if model.mechanism is not None else known_gripper(model, settings)
         self.moves = False
         if self.gripper is None:

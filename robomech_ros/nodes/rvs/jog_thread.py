@@ -17,12 +17,12 @@ Held = TypeVar("Held")
 class JogThread(ABC, Generic[Held]):
     """Sends commands from a thread of its own, which nothing else delays.
 
-    What ends a press, and in how much time, is in :mod:`robomech_ros.rvs.model.running.jog`.
+    The module :mod:`robomech_ros.rvs.model.running.jog` says what ends a press, and how soon.
 
-    - ``silence``: after so long (s) without a word of the page nothing is held.
-    - ``period``: how often it commands (s).
-    - ``complain``: told why a jog ends that is held, or does not begin; an empty text when one
-      begins.
+    - ``silence``: longest time without a message of the page (s); then the press ends.
+    - ``period``: time between commands (s).
+    - ``complain``: called with the reason when a jog fails to begin or ends while its button is
+      held, and with an empty text when one begins.
     """
 
     def __init__(

@@ -1,6 +1,6 @@
 """Jogs the robot through the servo, while a page holds a button.
 
-What ends a press, and in how much time, is in :mod:`robomech_ros.rvs.model.running.jog`.
+The module :mod:`robomech_ros.rvs.model.running.jog` says what ends a press, and how soon.
 """
 
 from collections.abc import Callable
@@ -31,9 +31,8 @@ class _Jog(NamedTuple):
 class Jogger(JogThread[_Jog]):
     """Sends commands to the servo from a thread of its own, which nothing else delays.
 
-    - ``servo_is_silent``: says whether the servo, which was heard of before, says nothing any more.
-    - ``complain``: told why a jog ends that is held, or does not begin; an empty text when one
-      begins.
+    - ``servo_is_silent``: returns whether the status messages of the servo have stopped.
+    - ``complain``: as for ``JogThread``.
     """
 
     def __init__(

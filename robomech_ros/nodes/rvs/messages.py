@@ -46,10 +46,10 @@ def motion_from_trajectory(
 ) -> Motion:
     """Read a planned trajectory.
 
-    - ``start``: known joints of the robot (rad or m), from which those of a parallel one follow its
-      drives; the others begin at home.
+    - ``start``: known positions (rad or m) from which the joints of a parallel robot follow its
+      drives; unknown ones begin at home.
 
-    Raises RobomechError: it is no trajectory of these joints.
+    Raises RobomechError: the trajectory does not fit the joints of the robot.
     """
     given = read_waypoints(
         received_trajectory(trajectory), model.commanded.joint_names, _MOST_POINTS, _LONGEST
@@ -78,7 +78,7 @@ def joint_jog(
 ) -> JointState:
     """Make the command that moves one joint.
 
-    - ``direction``: of a joint.
+    - ``direction``: the joint, and the sign of its motion.
     - ``turning``, ``sliding``: speeds (rad/s, m/s).
     """
     speed = direction.sign * (sliding if chain.types[direction.index] == PRISMATIC else turning)
@@ -88,7 +88,7 @@ def joint_jog(
 def twist_jog(frame: str, direction: JogDirection, linear: float, angular: float) -> TwistStamped:
     """Make the command that moves the tip along or about an axis of a frame.
 
-    - ``direction``: of the tip.
+    - ``direction``: axis of the motion of the tip, and its sign.
     - ``linear``, ``angular``: speeds (m/s, rad/s).
     """
     message = TwistStamped(header=Header(frame_id=frame))
@@ -101,9 +101,9 @@ def twist_jog(frame: str, direction: JogDirection, linear: float, angular: float
 def read_marker(model: RobotModel, marker: Marker) -> ViewMarker:
     """Read a marker that is to be drawn.
 
-    Raises BadValueError: it is of a kind that is not drawn, in a frame that is none of the robot's,
-    or farther away or larger than 1e6 m. BadQuaternionError, NonFiniteError: a number of it is NaN
-    or infinite, or its orientation is none.
+    Raises BadValueError: the marker is of an unsupported type, in a frame that the robot does not
+    have, or farther away or larger than 1e6 m. NonFiniteError: one of its numbers is NaN or
+    infinite. BadQuaternionError: its orientation is not a unit quaternion.
     """
     kind = _KINDS.get(marker.type)
     if kind is None:

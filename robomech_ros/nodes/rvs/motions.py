@@ -35,8 +35,8 @@ _PARAMETER_TIMEOUT, _PLANNING_TIMEOUT, _MOTION_TIMEOUT = 5.0, 120.0, float("inf"
 class Motions:
     """Calls the services of planner, publisher and controller; answers go to the view.
 
-    - ``names``: the joints that move.
-    - ``settings``: whom to call.
+    - ``names``: names of the joints that move.
+    - ``settings``: the parameters, which name the nodes to call.
     - ``show_plan``: shows a planned trajectory.
     """
 

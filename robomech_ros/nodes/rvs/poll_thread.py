@@ -18,7 +18,7 @@ from robomech_ros.nodes.rvs.settings import RvsSettings
 if TYPE_CHECKING:
     from robomech_ros.rvs.page.live.live_page import LivePage
 
-# How often it is looked whether somebody looks, and whether states are old (s).
+# Periods of the checks for a viewer, and for old states (s).
 _IDLE_WAIT, _FAULT_PERIOD = 0.2, 0.1
 # Messages that wait at the most; the latest counts.
 DEPTH = 10
@@ -27,8 +27,8 @@ DEPTH = 10
 class PollThread(ABC):
     """A thread that looks again and again, as long as somebody watches a view.
 
-    - ``view``: says by ``wait_for_viewer`` whether somebody looks.
-    - ``joints``: those that say where the robot is.
+    - ``view``: the page, whose ``wait_for_viewer`` says whether somebody watches it.
+    - ``joints``: names of the joints that must be known.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class PollThread(ABC):
     ) -> None:
         self._page, self._settings, self._joints = view, settings, joints
         self._period, self._log = 1.0 / settings.rate, ThrottledLog(node.get_logger())
-        #: What is wrong with what the robot says; empty for nothing, or if nobody looks.
+        #: What is wrong with the messages of the robot; empty if nothing is, or if nobody watches.
         self.condition = ""
         self._monitor = JointStateMonitor(node)
         self._topic = node.resolve_topic_name("joint_states")

@@ -43,10 +43,10 @@ class Requests:
     ) -> None:
         """Send a request; one of two callables is called afterwards, on the thread of the node.
 
-        - ``client``: of a service that is there.
+        - ``client``: client of an available service.
         - ``take``: called with the answer.
-        - ``give_up``: called with the reason in words, if no answer comes.
-        - ``patience``: how long the answer may take (s).
+        - ``give_up``: called with the reason as text, if no answer comes.
+        - ``patience``: longest wait for the answer (s).
         """
         future = client.call_async(request)
         one = _Request(client, future, time.monotonic() + patience, give_up)

@@ -27,9 +27,9 @@ _LATE_AFTER, _PATIENCE = 2.0, 60.0
 class StopClient:
     """Calls the services that stop the robot, from any thread.
 
-    - ``requests``: sends.
-    - ``cancel``, ``hold``: of the services (std_srvs/Trigger) of publisher and controller.
-    - ``view``: shows what came of it.
+    - ``requests``: sends the requests.
+    - ``cancel``, ``hold``: clients of the services (std_srvs/Trigger) of publisher and controller.
+    - ``view``: shows the results.
     """
 
     def __init__(self, requests: Requests, cancel: Client, hold: Client, view: LiveLayer) -> None:

@@ -23,7 +23,7 @@ _KINDS: dict[int, type[Command]] = {
 class MoveItInterface:
     """The service switch_command_type, and the status as MoveIt's clients read it.
 
-    - ``choose``: has only one kind of commands followed from now on.
+    - ``choose``: called with the only type of command that the servo is to accept.
     """
 
     def __init__(self, node: Node, choose: Callable[[type[Command]], None]) -> None:

@@ -74,10 +74,10 @@ async def in_base(
 ) -> PathRequest:
     """Return a request with its waypoints in the base.
 
-    - ``asked``: with waypoints in their frames.
-    - ``request``: PlanCartesian.Request; names these.
-    - ``at``: where the joints of the chain are at the start (rad or m): links are there.
-    - ``patience``: how long to wait for each frame (s).
+    - ``asked``: request with waypoints in the frames that the message names.
+    - ``request``: the message, a PlanCartesian.Request.
+    - ``at``: positions of the joints at the start (rad or m), which place the links.
+    - ``patience``: longest wait for each frame (s).
 
     Raises FrameUnavailableError, NoStateError, BadValueError: a frame is not known, or puts a
     waypoint too far away.

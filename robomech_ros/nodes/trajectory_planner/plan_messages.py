@@ -45,8 +45,8 @@ def read_plan_request(
     """Read a PlanJoint request except its start and goal.
 
     - ``request``: PlanJoint.Request; its zeros stand for defaults.
-    - ``limits``: of n joints.
-    - ``settings``: whose max_duration, max_waypoints and limit_margin count.
+    - ``limits``: limits of n joints.
+    - ``settings``: gives max_duration, max_waypoints and limit_margin.
 
     Returns the points (m, n) to pass on the way (rad or m), and keywords of `fitting_plan`:
     `wanted_period`, and those of `through_points`.

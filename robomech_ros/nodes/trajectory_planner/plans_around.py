@@ -27,7 +27,7 @@ def plan_around(
     """Return a plan if it is proved free of contact, else one around what is in the way.
 
     - ``points``: start, via points and goal (rad or m), shape (m, n).
-    - ``options``: of `fitting_plan`.
+    - ``options``: options of `fitting_plan`.
 
     Raises OutcomeError: a point is in contact, no path was found, or the via points have their own
     instants. DurationTooShortError: the motion takes longer than the wanted duration.

@@ -35,8 +35,8 @@ def residual_ratios(result: HandEyeResult) -> Array:
 
     - ``result``: of n samples.
 
-    Returns an array (n,): angle or distance, whichever is greater, as a multiple of its root mean
-    square by the noise.
+    Returns an array (n,): angle or distance over its root mean square from the noise, whichever
+    ratio is greater.
     """
     noise = np.maximum([result.noise.rotation, result.noise.position], 1e-12)
     return (result.residuals / (math.sqrt(3.0) * noise)).max(axis=1, initial=0.0)
@@ -47,8 +47,8 @@ def position_half_axes(result: HandEyeResult) -> tuple[Array, Array]:
 
     Directions that are free are left out of it.
 
-    Returns ``half_axes``: in m, the longest first, shape (3,); ``axes``: a rotation, shape (3, 3);
-    its columns are their directions, in the frame of ``result.sensor``'s parent.
+    Returns the half-axes (m), the longest first, shape (3,), and a rotation (3, 3), whose columns
+    are their directions in the frame of ``result.sensor``'s parent.
     """
     values, axes = np.linalg.eigh(result.determined_covariance)
     values, axes = np.maximum(values[::-1], 0.0), axes[:, ::-1].copy()
@@ -59,7 +59,7 @@ def position_half_axes(result: HandEyeResult) -> tuple[Array, Array]:
 def drawing_factor(longest: float, room: float) -> float:
     """Return how many times larger something is drawn: 1, 2, 5, 10, ... as there is room for.
 
-    - ``longest``, ``room``: its size, and the largest it is drawn, both in m.
+    - ``longest``, ``room``: its size, and the largest size of the drawing (m).
     """
     if not longest > 0.0 or room <= longest:
         return 1.0
@@ -121,7 +121,7 @@ def calibration_markers(
 def calibration_facts(result: HandEyeResult) -> list[tuple[str, str]]:
     """Write what was found, and the residuals of every sample, for people.
 
-    Returns names, and what is known of each.
+    Returns pairs of a name and its fact.
     """
     x, y, z = result.sensor[:3, 3].tolist()
     half_axes, _ = position_half_axes(result)

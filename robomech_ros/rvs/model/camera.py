@@ -23,7 +23,8 @@ FILLED, LEAST = 0.9, 0.02
 class Camera(NamedTuple):
     """Position and target of a camera.
 
-    - ``position``, ``look_at``: in the root (m), shape (3,).
+    - ``position``: position of the camera in the root (m), shape (3,).
+    - ``look_at``: the point that it looks at, in the root (m), shape (3,).
     """
 
     position: Array
@@ -50,7 +51,7 @@ def marker_points(
 ) -> Array:
     """Return where markers are, and the ends of their lines.
 
-    - ``positions``: of the joints (rad or m).
+    - ``positions``: positions of the joints (rad or m).
 
     Returns an array (k, 3) in the root (m).
     """
@@ -68,11 +69,11 @@ def fitted_camera(
 ) -> Camera:
     """Place a camera so that points just fit into its picture.
 
-    - ``points``: in the root (m), shape (k, 3).
+    - ``points``: points in the root (m), shape (k, 3).
     - ``fov``: angle from the lower to the upper edge of the picture (rad).
-    - ``aspect``: its width as part of its height.
-    - ``backwards``: from what is looked at to the eye, shape (3,); default from before, above and
-      the right.
+    - ``aspect``: width of the picture over its height.
+    - ``backwards``: direction from the points to the eye, shape (3,); by default the eye is in
+      front, above and to the right.
 
     Notes
     -----

@@ -45,20 +45,20 @@ class DraggableRobot(ABC):
     """A robot with its present posture; not for several threads at a time.
 
     - ``name``: name of the robot.
-    - ``base``, ``end``: link in which poses are, and the link that is dragged.
+    - ``base``, ``end``: the link that poses refer to, and the link that is dragged.
     - ``travels``: joints that sliders move, and their ranges.
-    - ``units``: of these joints.
-    - ``state_joints``: joints of a posture.
-    - ``home``: where it begins (rad or m), shape (n,).
+    - ``units``: units of these joints, "rad" or "m".
+    - ``state_joints``: names of the n joints of a posture.
+    - ``home``: initial posture (rad or m), shape (n,).
     - ``lists_postures``: whether postures are listed, of which one can be taken.
-    - ``slider_noun``: what errors call a slider.
-    - ``room``: least side of the ground around it (m).
+    - ``slider_noun``: name of a slider in errors.
+    - ``room``: least side of the ground around the robot (m).
     """
 
-    #: As its document says it; empty of an arm.
+    #: Kind of the robot in its document; empty for an arm.
     kind: ClassVar[str] = ARM
     lists_postures, slider_noun, room = True, "joint", 0.0
-    #: The objects around it; None if they are not known.
+    #: The objects around the robot; None if they are not known.
     world: WorldView | None = None
     _study: PoseStudy
 

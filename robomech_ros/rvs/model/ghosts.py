@@ -40,13 +40,13 @@ SAME, NOTHING = 0.02, 1e-6
 class GhostPieces(NamedTuple):
     """Cylinders of unit radius and length along z, and how they are placed."""
 
-    #: In the base (m), shape (m, 3).
+    #: Positions in the base (m), shape (m, 3).
     positions: Array
     #: Unit quaternions, scalar first, shape (m, 4).
     wxyz: Array
     #: Radius, radius, length (m), shape (m, 3).
     scales: Array
-    #: shape (m, 3).
+    #: Red, green, blue, 0 to 255, shape (m, 3).
     colours: NDArray[np.uint8]
 
 

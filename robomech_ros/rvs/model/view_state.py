@@ -18,10 +18,10 @@ _FORM = "q:...;eye:x,y,z;at:x,y,z;show:..."
 class ViewState(NamedTuple):
     """State of the view of a page.
 
-    - ``eye``, ``at``: where the eye is, and where it looks (m), shape (3,).
+    - ``eye``, ``at``: position of the eye, and the point that it looks at (m), shape (3,).
     """
 
-    #: rad or m, shape (n,).
+    #: Posture (rad or m), shape (n,).
     q: Array
     eye: Array
     at: Array
@@ -40,8 +40,8 @@ def state_from_text(text: str, joints: int, names: Sequence[str]) -> ViewState:
     """Read a state.
 
     - ``text``: as :func:`text_from_state` writes it.
-    - ``joints``: of the arm; their limits are not checked here.
-    - ``names``: of all that can be switched.
+    - ``joints``: number of joints of the arm; their limits are not checked here.
+    - ``names``: names of all switches.
     """
     if len(text) > LONGEST:
         raise BadValueError("view", f"{len(text)} characters", f"at most {LONGEST}")

@@ -29,18 +29,18 @@ class Ask(Protocol):
     def __call__(self, kind: Hashable, request: Callable[[], None], source: object = None) -> None:
         """Ask; returns at once.
 
-        - ``kind``: of requests that wait, only the latest of a kind is done.
-        - ``request``: may move the arm.  Its ``RobomechError`` is shown as a notice, and moves
-          nothing.
-        - ``source``: the control that asked, which is not set back to what it asked for.
+        - ``kind``: kind of the request; only the latest waiting request of a kind is done.
+        - ``request``: what is to be done; it may move the arm.  If it raises a ``RobomechError``,
+          the page shows a notice and nothing moves.
+        - ``source``: the control that asked; the page does not write the new value back to it.
         """
 
 
 class Switch(NamedTuple):
-    """A part of what a layer shows, which the address of the page keeps.
+    """A part of a layer that can be shown or hidden; the address of the page keeps which.
 
-    - ``is_on``, ``turn``: says whether it is shown; and has it shown, or not, and marked so in the
-      controls.
+    - ``is_on``: returns whether the part is shown.
+    - ``turn``: shows or hides the part, and marks that in the controls.
     """
 
     is_on: Callable[[], bool]
@@ -70,8 +70,9 @@ class PlanView:
 class LayerContext:
     """Context of a layer.
 
-    - ``switched``, ``switch``: give what can be shown and whether it is, as for the browser that
-      commands; and show a part or not.
+    - ``switched``: returns the parts by name, and whether the commanding browser shows them.
+    - ``switch``: shows or hides the part of a name.
+    - ``ask``: has a request done, see :class:`Ask`.
     """
 
     #: Nodes and texts that all browsers see, viser.ViserServer.
@@ -91,45 +92,45 @@ class LayerContext:
     #: controls are made anew.  Raises a ``RobomechError`` where that robot cannot be shown, and
     #: leaves this one.
     replace: Callable[[RobotDescription, SerialChain], None]
-    #: Has something done as ``ask`` does, which shows by itself what came of it.
+    #: Has a request done as ``ask`` does; the request itself shows its result.
     run: Callable[[Hashable, Callable[[], None]], None]
     switched: Callable[[], dict[str, bool]]
     switch: Callable[[str, bool], None]
     #: Switches that layers offer, by their names on the page.
     offered: dict[str, Switch]
-    #: Values that layers leave for those of the next robot, by their names.
+    #: Values that layers leave for the layers of the next robot, by name.
     kept: dict[str, Any]
-    #: Shows ghosts and gizmo, where they are to be shown, or hides them for a while; in requests
+    #: Hides ghosts and gizmo for a while, or shows those again that are switched on; in requests
     #: alone.
     reveal: Callable[[bool], None]
-    #: Draws the arm as a goal, translucent, beside the robot, which is the caller's to move from
-    #: then on; gives the nodes of the robot and of the goal.
+    #: Draws the arm as a translucent goal beside the robot.  Returns the nodes of the robot, which
+    #: the caller moves from then on, and those of the goal.
     separate: Callable[[], tuple[RobotNodes, RobotNodes]]
-    #: Draws the robot translucent, or as it is.
+    #: Draws the robot translucent, or in its own colours.
     fade: Callable[[bool], None]
-    #: Gives the name of the node of a link.
+    #: Returns the name of the node of a link.
     path: Callable[[str], str]
     #: Puts the base of the arm at a pose (4, 4) over the ground (m), on any thread.
     move_base: Callable[[Array], None]
-    #: Gives the pose (4, 4) of the root (m).
+    #: Returns the pose (4, 4) of the root over the ground (m).
     root_pose: Callable[[], Array]
-    #: In which angles are written.
+    #: The units of angles on the page.
     units: Units
-    #: Callables of layers that give points (k, 3) (m) in the root, which are to be in the picture.
+    #: Callables of layers; each returns points (k, 3) in the root (m) that the picture must show.
     extents: dict[str, Callable[[], Array]] = field(default_factory=dict)
     #: Callables of layers that receive the joint positions of a running robot by name (rad or m),
     #: on any thread.
     followers: list[Callable[[Mapping[str, float]], None]] = field(default_factory=list)
 
     def robot_of(self, kind: type[Robot]) -> Robot:
-        """Return what is moved; a TypeError if it is of another class."""
+        """Return the robot that is moved; raise a TypeError if it is of another class."""
         if not isinstance(self.moved, kind):
             raise TypeError(f"the page shows a {type(self.moved).__name__}, no {kind.__name__}")
         return self.moved
 
     @property
     def space(self) -> NodeSpace:
-        """Where nodes go that move with the base of the arm."""
+        """Space of the nodes that move with the base of the arm."""
         return NodeSpace(self.server.scene, self.base, self.seen.reach)
 
     @property

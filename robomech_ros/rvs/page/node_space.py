@@ -1,4 +1,4 @@
-"""Where parts of a page put their nodes, and poses of nodes."""
+"""Parents and sizes of the nodes of a page, and poses of nodes."""
 
 from typing import Any, NamedTuple
 
@@ -9,13 +9,13 @@ from robomech_ros.typing import Array
 
 
 class NodeSpace(NamedTuple):
-    """Where nodes go."""
+    """A scene, the node above new nodes, and the size by which they are scaled."""
 
     #: viser.SceneApi.
     scene: Any
     #: Node above them: the base of the arm, the palm, or the ground.
     base: str
-    #: Size of the robot (m), which sizes of nodes are parts of.
+    #: Size of the robot (m); sizes of nodes are fractions of it.
     reach: float
 
 

@@ -26,8 +26,8 @@ class CommandServer(ActionBase[FingerMotion]):
     Results have no place for a reason: a goal that cannot be executed is rejected, and the log and
     /diagnostics say why.
 
-    - ``place``: name below which the action is.
-    - ``messages``: those of the action.
+    - ``place``: namespace of the action.
+    - ``messages``: reads the goals of the action, and writes its feedback and results.
     """
 
     _what = "gripper command"

@@ -49,8 +49,8 @@ class Gripper(CommandedJoints):
     """Finger joints, which something between them may stop.
 
     - ``joints``: the n finger joints.
-    - ``lock``: that of the arm.
-    - ``allow_stalling``: whether a command succeeds where something stops the fingers.
+    - ``lock``: the lock of the arm.
+    - ``allow_stalling``: whether a command succeeds if something stops the fingers.
 
     Raises ParameterError: parameters do not fit the robot.
     """

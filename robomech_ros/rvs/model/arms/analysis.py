@@ -38,14 +38,14 @@ ARROW, NONE = 0.35, 1e-3
 class ArmFacts:
     """Facts that are the same in every posture of an arm.
 
-    - ``least_reach``, ``greatest_reach``: of the tip from the first joint (m).
+    - ``least_reach``, ``greatest_reach``: distances of the tip from the first joint (m).
     """
 
     #: The characteristic length (m), or the size of an arm that has none.
     length: float
-    #: Least condition of any posture, limits left aside; infinite where every posture is singular.
+    #: Least condition number of all postures, without limits; infinite if all are singular.
     least_condition: float
-    #: The best one inside the limits; None where every posture is singular.
+    #: The best-conditioned posture inside the limits; None if all are singular.
     best: BestPosture | None
     least_reach: float
     greatest_reach: float
@@ -56,8 +56,8 @@ class PostureFacts:
     """Facts about a posture that need no search."""
 
     report: SingularityReport
-    #: Twists that the tip cannot do in a singular posture, shape (r, 6); else the one that takes
-    #: the greatest effort.  Angular first, in the base (rad/s and m/s).
+    #: Twists that the tip cannot do in a singular posture; otherwise the one that takes the
+    #: greatest effort.  Angular first, in the base (rad/s and m/s), shape (r, 6).
     twists: Array
 
 
@@ -65,21 +65,21 @@ class PostureFacts:
 class NextSingularity:
     """The singular posture that is nearest."""
 
-    #: Distance of the joint values (rad), slides over the characteristic length; infinite if
-    #: none is found.
+    #: Distance in joint values (rad), with slides divided by the characteristic length; infinite if
+    #: no singular posture is found.
     distance: float
     #: Kinds of the singularity.
     kinds: tuple[str, ...]
 
 
 class DrawnEllipsoid(NamedTuple):
-    """An ellipsoid as it is drawn, and what it says."""
+    """An ellipsoid as it is drawn, and its true half-axes."""
 
-    #: Its axes at the tip, in the base (m), shape (4, 4).
+    #: Pose of its axes, with the tip as origin, in the base (m), shape (4, 4).
     pose: Array
-    #: As drawn (m), neither too flat nor too long to be seen, shape (3,).
+    #: Lengths of the drawn half-axes (m), kept within visible bounds, shape (3,).
     half_axes: Array
-    #: Longest first, shape (3,): m/s or rad/s, N or N m.
+    #: True half-axes, the longest first (m/s or rad/s, N or N m), shape (3,).
     values: Array
     unit: str
 
@@ -87,16 +87,16 @@ class DrawnEllipsoid(NamedTuple):
 class TwistArrows(NamedTuple):
     """Arrows from the tip, in the base (m), each shape (k, 2, 3)."""
 
-    #: Along motions.
+    #: Along linear velocities.
     linear: Array
-    #: Along axes of rotations.
+    #: Along angular velocities.
     angular: Array
 
 
 def arm_facts(chain: SerialChain) -> ArmFacts:
     """Find what is the same in every posture of an arm; takes a second or two.
 
-    - ``chain``: of one joint or more.
+    - ``chain``: an arm with at least one joint.
     """
     reach = reach_limits(chain)
     try:
@@ -110,7 +110,7 @@ def arm_facts(chain: SerialChain) -> ArmFacts:
 def posture_facts(chain: SerialChain, q: Array, length: float) -> PostureFacts:
     """Judge a posture.
 
-    - ``length``: what linear motions are divided by (m).
+    - ``length``: length by which linear motions are divided (m).
     """
     report = singularity_report(chain, q, length=length)
     assert isinstance(report, SingularityReport)
@@ -142,7 +142,7 @@ def drawn_ellipsoid(
     - ``chain``, ``q``: as for :func:`posture_facts`.
     - ``kind``: one of "velocity", "force".
     - ``part``: one of "translation", "rotation".
-    - ``reach``: of the robot (m), which gives the scale: the same in all postures.
+    - ``reach``: size of the robot (m), which sets the same scale in all postures.
     """
     found = manipulability_ellipsoid(jacobian(chain, q)[ROWS[part]])
     one = reach if part == "translation" else 1.0
@@ -159,8 +159,8 @@ def drawn_ellipsoid(
 def twist_arrows(tip: Array, twists: Array, reach: float) -> TwistArrows:
     """Draw twists at the tip as arrows of one length.
 
-    - ``tip``: in the base (m), shape (3,).
-    - ``twists``: angular first, in the base (rad/s and m/s), shape (r, 6).
+    - ``tip``: position of the tip in the base (m), shape (3,).
+    - ``twists``: twists, angular first, in the base (rad/s and m/s), shape (r, 6).
     """
     # A motion counts beside a rotation as far as it moves the arm.
     sizes = np.maximum(np.linalg.norm(twists * np.repeat((reach, 1.0), 3), axis=1), 1e-300)

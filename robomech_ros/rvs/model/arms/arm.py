@@ -26,7 +26,7 @@ CONDITIONS = 6
 class ArmView(DraggableRobot):
     """An arm with its present posture and the pose that its tip is to take.
 
-    - ``q``: where it is to begin with (rad or m), shape (n,); default its home.
+    - ``q``: initial posture (rad or m), shape (n,); default its home.
     - ``others``: joints beside the chain, such as those of a gripper (rad or m).
     """
 

@@ -19,10 +19,10 @@ EXPECTED = "a joint from 1 to {n}, one of a, b, alpha and theta, and a number, a
 class DHChange(NamedTuple):
     """One number of a table."""
 
-    #: From 0.
+    #: Index of the joint, from 0.
     joint: int
     parameter: str
-    #: m or rad.
+    #: The new value (m or rad).
     value: float
 
 
@@ -34,7 +34,7 @@ def table_of(chain: SerialChain) -> DHTable:
 def read_change(text: str, joints: int) -> DHChange:
     """Read a change, such as ``2 a 0.5``.
 
-    - ``joints``: how many there are.
+    - ``joints``: number of joints.
     """
     words = text.split()
     error = BadValueError("change of the DH table", text.strip(), EXPECTED.format(n=joints))

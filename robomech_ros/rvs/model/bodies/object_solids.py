@@ -21,7 +21,7 @@ class ObjectPart(NamedTuple):
     """A shape of an object."""
 
     solid: Solid
-    #: In the object (m), shape (4, 4).
+    #: Pose in the object (m), shape (4, 4).
     pose: Array
     #: Whether it is a piece of a plane.
     endless: bool

@@ -43,7 +43,7 @@ class BodyVisual:
     """A body of a link."""
 
     link: str
-    #: In the link (m), shape (4, 4).
+    #: Pose in the link (m), shape (4, 4).
     pose: Array
     solid: Solid
     #: Red, green, blue and alpha from 0 to 1.
@@ -52,11 +52,11 @@ class BodyVisual:
 
 @dataclass(frozen=True, eq=False)
 class VisualModel:
-    """A robot and what is seen of it."""
+    """A robot and the bodies by which it is drawn."""
 
-    #: Its links and joints; every joint's axis is in the frame of its link.
+    #: Links and joints of the robot; every joint's axis is in the frame of its link.
     tree: RobotDescription
-    #: At least one for each rigid part.
+    #: Bodies, at least one for each rigid part.
     bodies: tuple[BodyVisual, ...]
     #: A sentence for each body that cannot be shown; a generated one stands for it.
     missing: tuple[str, ...]
@@ -66,10 +66,10 @@ class VisualModel:
     def joint_poses(self, positions: Mapping[str, float]) -> tuple[Array, Array]:
         """Compute the poses of the links that joints move in the links before them.
 
-        - ``positions``: rad or m, by joint; joints that mimic others follow them.
+        - ``positions``: positions by joint (rad or m); joints that mimic others follow them.
 
-        Returns ``places``: in the order of :attr:`moving` (m), shape (k, 3); ``turns``: unit
-        quaternions, scalar last, shape (k, 4).
+        Returns positions (m), shape (k, 3), and unit quaternions, scalar last, shape (k, 4), in the
+        order of :attr:`moving`.
         """
         at = self.tree.joint_positions(positions)
         return self._poses.at(np.array([at[joint.name] for joint in self.moving]))
@@ -100,7 +100,7 @@ class VisualModel:
 def load_visual_model(description: RobotDescription) -> VisualModel:
     """Collect what is to be seen of a robot, meshes where they are found.
 
-    Raises RobotDescriptionError: a number of a visual body is none.
+    Raises RobotDescriptionError: a visual body has an invalid number.
     """
     document = urdf_from_description(description)
     tree = description_from_urdf(document, description.where)

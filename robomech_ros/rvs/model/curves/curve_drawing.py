@@ -26,11 +26,11 @@ MOST_TICKS = 6
 class Mark(NamedTuple):
     """Mark at a point: a crossing, or the present state."""
 
-    #: ``root``, ``spurious`` or ``here``.
+    #: One of "root", "spurious", "here".
     kind: str
-    #: shape (2,).
+    #: Position in the plane, shape (2,).
     point: Array
-    #: In a root's disc.
+    #: Text in the disc of a root.
     text: str = ""
     #: Colour of a root's disc.
     colour: str = ROOT
@@ -69,7 +69,7 @@ def draw_plane(
 ) -> str:
     """Draw axes as SVG that is as wide as there is room.
 
-    - ``name``: of the drawing, as the attribute ``data-name``.
+    - ``name``: name of the drawing, its attribute ``data-name``.
     - ``inside``, ``above``: SVG in the plane, cut off at its edges, and above it; see
       :func:`placed_points`.
     - ``on_press``: JavaScript that runs when the drawing is pressed.

@@ -35,19 +35,19 @@ class Axis(NamedTuple):
 class Finding:
     """A crossing that was found."""
 
-    #: shape (2,).
+    #: Values of the two unknowns, shape (2,).
     point: Array
-    #: The steps from the estimate to it, shape (k, 2).
+    #: Steps of the iteration from the estimate to the crossing, shape (k, 2).
     path: Array
     #: Whether all other equations vanish there, too; else it is spurious.
     is_root: bool
-    #: The greatest of the other equations, as part of its size.
+    #: Greatest residual of the other equations, relative to the size of the equation.
     left_over: float
     #: Angle between the curves (rad).
     angle: float
     #: Condition number of the root.
     condition: float | None = None
-    #: The posture that it is (rad), where it is one, shape (n,).
+    #: The posture of the root (rad), shape (n,); None if it has none.
     q: Array | None = None
 
 
@@ -80,8 +80,8 @@ class CurveProblem:
 def posture_problem(chain: SerialChain, T: Array, pair: tuple[int, int]) -> CurveProblem:
     """Draw the postures of an arm of six revolute joints at a pose, over joints 4 and 5.
 
-    - ``chain``: as :func:`what_is_missing` says nothing of.
-    - ``T``: of the tip in the base (m), shape (4, 4).
+    - ``chain``: an arm for which :func:`what_is_missing` returns an empty text.
+    - ``T``: pose of the tip in the base (m), shape (4, 4).
     - ``pair``: which two equations, counted in :func:`minor_names`.
     """
     first, second = (Axis(chain.joint_names[joint], "rad", -np.pi, np.pi) for joint in JOINTS)
@@ -101,7 +101,7 @@ def equations_problem(
     - ``equations``: as for :class:`~robomech_ros.numerics.CurvePair`, all of them.
     - ``pair``: the two that are drawn.
     - ``count``: how many there are.
-    - ``period``: of both unknowns.
+    - ``period``: period of both unknowns.
     """
     rest = [k for k in range(count) if k not in pair]
 

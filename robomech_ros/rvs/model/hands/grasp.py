@@ -28,18 +28,19 @@ USED_UP = 0.999
 
 @dataclass(frozen=True, eq=False)
 class Grasp:
-    """Contacts that fingers make, and the load between them."""
+    """Contacts of fingers with an object, and the load on the object."""
 
     hand: Hand
-    #: All joints (rad or m), shape (n,).
+    #: Positions of all joints (rad or m), shape (n,).
     q: Array
-    #: In the palm.
+    #: Contacts in the frame of the palm.
     contacts: tuple[Contact, ...]
-    #: The number of the finger of each contact.
+    #: Index of the finger at each contact.
     fingers: tuple[int, ...]
     #: Centre of the object, in the palm (m), shape (3,).
     centre: Array
-    #: Moment about the centre (N m), then force (N), in the axes of the palm, shape (6,).
+    #: Load on the object: moment about the centre (N m), then force (N), in the axes of the palm,
+    #: shape (6,).
     load: Array
 
 
@@ -50,9 +51,10 @@ class GraspStudy:
     #: Force of each finger on the object, in the palm (N), shape (k, 3); none if the load is not
     #: held.
     forces: Array
-    #: The wrench that would be needed and that no contact exerts, moment first, shape (6,).
+    #: A needed wrench that no contact can exert, moment first, shape (6,); None if the load is held
+    #: or no forces were computed.
     separating: Array | None
-    #: Results, for people.
+    #: Results as lines of text.
     lines: tuple[Line, ...]
 
 

@@ -57,8 +57,8 @@ class HeldObject:
     def touched(self, angle: float, height: float) -> tuple[Array, Array]:
         """Return a place of the surface and the normal into the object, each shape (3,).
 
-        - ``angle``: about z, from x (rad).
-        - ``height``: along z, from -1 to 1 times the size.
+        - ``angle``: angle of the place about z, from x (rad).
+        - ``height``: height of the place along z, from -1 to 1 times the size.
         """
         outwards = np.array([math.cos(angle), math.sin(angle), 0.0])
         if self.shape == "ball":
@@ -75,12 +75,12 @@ class HeldObject:
 
 @dataclass(frozen=True)
 class Spot:
-    """Contact of a finger with the object.
+    """Place on the object that a finger is to touch.
 
     - ``angle``, ``height``: as for ``HeldObject.touched``.
     """
 
-    #: Whether it does.
+    #: Whether the finger touches the object.
     touches: bool
     angle: float
     height: float = 0.0
@@ -89,12 +89,12 @@ class Spot:
 class HandView(TreeView):
     """A hand, the object between its fingers, and a load; not for several threads at a time.
 
-    - ``spots``: one for each finger.
-    - ``model``: of all contacts, see :class:`~robomech_ros.hands.Contact`.
-    - ``friction``, ``torsional``: the latter in m.
-    - ``load``: on the object, shape (6,): moment about its centre (N m), then force (N), in the
-      axes of the palm.
-    - ``sizes``: between what the size of the object is chosen (m).
+    - ``spots``: the place for each finger.
+    - ``model``: model of all contacts, see :class:`~robomech_ros.hands.Contact`.
+    - ``friction``, ``torsional``: coefficients of friction, the torsional one in m.
+    - ``load``: load on the object, shape (6,): moment about its centre (N m), then force (N), in
+      the axes of the palm.
+    - ``sizes``: range of the size of the object (m).
     - ``reached``: the fingers that touch the object.
     """
 

@@ -26,7 +26,7 @@ class Quantity(NamedTuple):
     unit: str
     #: Numbers of the k joints.
     joints: tuple[int, ...]
-    #: In this unit, shape (m, k).
+    #: Values in the unit ``unit``, shape (m, k).
     values: Array
     lower: Array
     upper: Array
@@ -35,7 +35,7 @@ class Quantity(NamedTuple):
 class MotionCurves(NamedTuple):
     """The curves of a motion."""
 
-    #: From 0 on (s), shape (m,).
+    #: Times, beginning at 0 (s), shape (m,).
     times: Array
     quantities: tuple[Quantity, ...]
     #: A sentence for each quantity that is not known.

@@ -18,16 +18,16 @@ if TYPE_CHECKING:
 class ViewMarker:
     """Something to be drawn beside the robot."""
 
-    #: One of a kind among those that are shown together.
+    #: Unique among the markers that are shown together.
     name: str
-    #: In whose frame it is.
+    #: The link whose frame the pose refers to.
     link: str
     #: One of "sphere", "box", "cylinder", "arrow", "lines", "text".
     kind: str
-    #: In the frame of the link (m), shape (4, 4).
+    #: Pose in the frame of the link (m), shape (4, 4).
     pose: Array
-    #: Diameters, or lengths of edges (m); of lines the first is the width, of arrows the diameters
-    #: of shaft and head and the length of the head, of a text the last is its height.
+    #: Diameters, or lengths of edges (m).  Lines: the first is the width.  Arrows: diameters of
+    #: shaft and head, then the length of the head.  Text: the last is its height.
     measures: tuple[float, float, float]
     #: Ends of an arrow, or pairs of ends of lines, in the frame of the pose (m), shape (m, 3).
     points: Array
@@ -41,9 +41,9 @@ class ViewMarker:
 class ServoNews:
     """Latest state of the servo."""
 
-    #: Limit of the motion, for people; empty if there is none.
+    #: Sentence on what limits the motion; empty if nothing does.
     text: str
-    #: At which part of the commanded speed the robot moves.
+    #: Speed of the robot as a fraction of the commanded speed.
     scale: float
 
 
@@ -86,11 +86,11 @@ class LiveRobot(Protocol):
         """Listen to markers, or not."""
 
     def hold(self, beat: HoldHeartbeat, frame: str, speed: float) -> None:
-        """Jog while this is said again and again.
+        """Jog for as long as the page repeats this.
 
-        - ``beat``: of a press that has ended it does nothing any more.
-        - ``frame``: whose axes those of the tip's motion are, one of "base", "tip".
-        - ``speed``: part of the greatest jogging speed, from 0 to 1.
+        - ``beat``: message of the page; ignored if its press has ended.
+        - ``frame``: frame whose axes the tip moves along, one of "base", "tip".
+        - ``speed``: fraction of the greatest jogging speed, from 0 to 1.
         """
 
     def let_go(self) -> None:
@@ -101,13 +101,13 @@ class LiveRobot(Protocol):
 class Stance:
     """How safely a walking machine stands."""
 
-    #: On which feet.
+    #: The feet, and the mass centre above them.
     support: Support
-    #: As it says itself (m).
+    #: Stability margin that the walker publishes (m).
     margin: float
-    #: That it keeps (m).
+    #: Least margin that the walker keeps (m).
     bound: float
-    #: In which it walks; empty if that is not known.
+    #: Name of the present gait; empty if it is not known.
     gait: str
 
 

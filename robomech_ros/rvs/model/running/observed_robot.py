@@ -21,24 +21,24 @@ if TYPE_CHECKING:
 
 
 class JogDirection(NamedTuple):
-    """A direction in which it is jogged."""
+    """A direction in which a mobile robot is jogged."""
 
-    #: For people.
+    #: Label on the page.
     name: str
     #: One of "linear", "angular".
     kind: str
-    #: Axis of the twist.
+    #: Index of the axis of the twist, from 0.
     axis: int
 
 
 class Shift(NamedTuple):
-    """How the trunk can be moved over feet that stay."""
+    """A motion of the trunk over standing feet."""
 
-    #: For people.
+    #: Label on the page.
     name: str
     #: One of "m", "rad".
     unit: str
-    #: How far either way (m or rad).
+    #: Largest distance or angle to either side (m or rad).
     most: float
 
 
@@ -53,11 +53,11 @@ class ObservedRobot(TreeView):
     """A robot that is not moved on the page.
 
     - ``view``: the same robot at rest, which is drawn.
-    - ``joints``: those that are reported.
-    - ``placed``: gives the joints that place it, for its pose over the ground (4, 4).
-    - ``directions``: in which it can be jogged.
-    - ``gaits``: in which it can walk.
-    - ``shifts``: of the trunk: x, y, z, roll, pitch, yaw.
+    - ``joints``: names of the joints whose positions are received.
+    - ``placed``: returns the joints that place it at a pose (4, 4) over the ground (m).
+    - ``directions``: the directions in which it can be jogged.
+    - ``gaits``: names of the gaits in which it can walk.
+    - ``shifts``: motions of the trunk: x, y, z, roll, pitch, yaw.
     - ``trail``: past positions.
     """
 

@@ -33,13 +33,13 @@ class ReachPoints:
     - ``low``, ``high``: the ends of the scale.
     """
 
-    #: In the base (m), shape (k, 3).
+    #: Positions in the base (m), shape (k, 3).
     points: Array
     #: Measured values, shape (k,).
     values: Array
     low: float
     high: float
-    #: Empty for numbers of postures.
+    #: Unit of the values; empty if they count postures.
     unit: str
     #: Distance between neighbours (m).
     spacing: float
