@@ -1,4 +1,4 @@
-"""Let the search list the page first that answers a word by which newcomers search."""
+"""Let the search list first the page that answers a word of a newcomer."""
 
 from docutils import nodes
 from sphinx import addnodes
@@ -8,7 +8,7 @@ from words_of_pages import WORDS
 
 
 class AddSearchWords(SphinxTransform):
-    """Add the words of a page to the index, which the search asks first."""
+    """Add the words of a page to the index; the search lists entries of the index first."""
 
     default_priority = 800  # before the index is collected
 

@@ -1,4 +1,4 @@
-"""Words by which newcomers search, each with the page that answers."""
+"""Words that newcomers search for, by the page that answers them."""
 
 WORDS = {
     "real_robot": ("real robot", "my robot", "UR", "driver", "ros2_control", "remapping"),

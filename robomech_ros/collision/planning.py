@@ -265,7 +265,7 @@ class _Search:
 
 @contextmanager
 def _seeded(seed: int) -> Iterator[None]:
-    """Seed OMPL for one plan; other users of the process then get numbers that differ each time."""
+    """Seed OMPL for one plan; afterwards others in the process get different numbers each time."""
     generator = ompl().util.RNG
     with _lock:
         later = generator().getLocalSeed()

@@ -1,8 +1,8 @@
-"""Plots, where people would rather look than read.
+"""Pictures of postures, motions, simulations, workspaces, maps and loci, drawn with matplotlib.
 
-Each function writes the picture to its first argument, whose ending (png, svg, pdf) gives the
-format, puts the ``title`` above it, and returns the path. Without matplotlib, it raises
-PlottingUnavailableError. Each part is loaded on first use.
+The first argument of each function is the path of the picture; its ending (png, svg, pdf) gives the
+format. The function writes the picture, with ``title`` above it, and returns the path. Without
+matplotlib, it raises PlottingUnavailableError. Each part is loaded on first use.
 """
 
 from typing import TYPE_CHECKING

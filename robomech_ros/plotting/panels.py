@@ -20,11 +20,11 @@ class Panel(NamedTuple):
     Parameters
     ----------
     label : str
-        Of its axis, with the unit.
+        Label of the axis, with the unit.
     names : sequence of str
-        Of k curves.
+        Names of the k curves.
     values : ndarray, shape (m, k)
-        NaN leaves a gap.
+        Values of the curves at the m times; NaN leaves a gap.
     """
 
     label: str
@@ -40,24 +40,24 @@ def plot_panels(
     title: str = "",
     marks: Sequence[tuple[float, str]] = (),
 ) -> Path:
-    """Write a picture of panels below each other.
+    """Write a picture of panels, one below the other.
 
     Parameters
     ----------
     path : str or Path
         The picture; its ending (png, svg, pdf) gives the format.
     times : ndarray, shape (m,)
-        s.
+        Times of the values (s).
     panels : sequence of Panel
     title : str, optional
-        Above the picture.
+        Title above the picture.
     marks : sequence of (float, str), optional
         Instants (s) to be marked, each with its label.
 
     Returns
     -------
     Path
-        Where the picture is.
+        Path of the picture.
 
     Raises
     ------

@@ -58,8 +58,9 @@ class FootForces:
 class _Share:
     """Program for forces ``F = L z + F_0`` (3 s,) of s feet with the least norm of z.
 
-    The forces carry the load, ``G F = load`` (6,), within ``A F <= b`` and a cone for each foot:
-    the product of F with the first of its rows C (s, 3, 3) bounds those with the two others.
+    The forces carry the load, ``G F = load`` (6,), and keep the limits ``A F <= b``. The force of
+    each foot is inside its cone: with the rows c_1, c_2, c_3 of its C (s, 3, 3), ``c_1 F`` is at
+    least the norm of ``c_2 F`` and ``c_3 F``.
     """
 
     L: Array
@@ -83,7 +84,7 @@ class _Share:
         exceeded = self.b < self.A @ F
         if not exceeded.any() and self._inside_cones(F):
             return F
-        # K x leaves the load as it is.  Few limits bind: the others are left off at first.
+        # K x does not change the load.  Few limits bind: the first program keeps the exceeded ones.
         scale, squares = max(_LEAST_SIZE, float(np.abs(z).max())), _squares(K.shape[1], 0)
         for limits in (exceeded, np.ones_like(exceeded)):
             x, solved = self._program(K, F, squares, scale, limits)
@@ -104,7 +105,7 @@ class _Share:
         return np.where(np.abs(help_needed) > 1e-6 * np.abs(help_needed).max(), help_needed, 0.0)
 
     def _balance(self) -> tuple[Array, Array]:
-        """Return the wrenches (6, m) of unknowns z, and the wrench that they must exert."""
+        """Return the wrenches (6, m) of unit unknowns z, and the wrench that all must exert."""
         return self.G @ self.L, self.load - self.G @ self.offset
 
     def _inside_cones(self, F: Array) -> bool:

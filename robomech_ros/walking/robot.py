@@ -338,20 +338,21 @@ class LeggedRobot:
     def planted_legs(
         self, q: ArrayLike, stance: Sequence[str] | None, independent: ArrayLike = _STILL
     ) -> tuple[Array, Array]:
-        """Compute the complement N of :class:`WalkingDynamics`, and a motion with it.
+        """Compute the orthogonal complement N of a stance, and the motion for given speeds w.
 
         Parameters
         ----------
         q : array_like, shape (3 k,)
             All joints (rad or m).
         stance : sequence of str or None
-            The legs that stand, None for all.
+            Names of the standing legs; None for all.
         independent : array_like, shape (6 + 3 m,), optional
-            w: the twist of the trunk, then the rates of m legs in the air.  Default zero.
+            w: the twist of the trunk, then the joint rates of the m legs in the air.  Default zero.
 
         Returns
         -------
         N : ndarray, shape (6 + 3 k, 6 + 3 m)
+            Complement of :class:`WalkingDynamics`: it takes w to all rates.
         motion : ndarray, shape (2, 6 + 3 k)
             ``N w``, and its derivative while w is constant.
 

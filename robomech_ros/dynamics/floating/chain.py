@@ -187,7 +187,7 @@ class FloatingChain:
     def joint_rates(
         self, q: ArrayLike, twist: ArrayLike, momentum: ArrayLike | None = None
     ) -> Array:
-        """Return the joint rates that give the tip a twist in inertial space, a step of a servo.
+        """Return the joint rates that give the tip a twist in inertial space, as a servo needs them.
 
         Twist zero holds the tip while the base drifts.
 

@@ -10,7 +10,7 @@ from typing import Any
 from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
 
-# Number of messages after which others are served: one change of a scene takes half a millisecond.
+# Messages in a turn at most; one change of a scene takes half a millisecond.
 _MOST = 100
 
 
@@ -31,13 +31,13 @@ def create_drained_subscription(
     kind : type
         Type of the messages.
     topic : str
-        Its name.
+        Name of the topic.
     callback : callable
         A coroutine function that handles one message.
     depth : int
         Number of messages that may wait.
     callback_group : CallbackGroup
-        A mutually exclusive one keeps the messages in order.
+        A mutually exclusive group keeps the messages in order.
     """
 
     async def take(message: Any) -> None:
