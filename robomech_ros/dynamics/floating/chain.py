@@ -187,9 +187,9 @@ class FloatingChain:
     def joint_rates(
         self, q: ArrayLike, twist: ArrayLike, momentum: ArrayLike | None = None
     ) -> Array:
-        """Return the joint rates that give the tip a twist in inertial space, as a servo needs them.
+        """Return the joint rates that give the tip a twist in inertial space.
 
-        Twist zero holds the tip while the base drifts.
+        A servo calls it in each step. A twist of zero holds the tip while the base drifts.
 
         Parameters
         ----------

@@ -26,12 +26,12 @@ POSITION_FIRST = (3, 4, 5, 0, 1, 2)
 
 
 def load(folder: str, name: str) -> PublishedFrame:
-    """Read what tf was told when a calibration was saved.
+    """Read the transform that was published on tf when a calibration was saved.
 
-    - ``folder``, ``name``: as they were for `save`.
+    - ``folder``, ``name``: folder and name that were given to `save`.
 
-    Raises BadValueError: there is no such calibration, or the file is damaged, or tf was told
-    nothing.
+    Raises BadValueError: there is no such calibration, its file is damaged, or it was not published
+    on tf.
     """
     expected = f"the name of a calibration that was saved in '{folder}'"
     if not is_plain_name(name):
@@ -58,13 +58,13 @@ def load(folder: str, name: str) -> PublishedFrame:
 
 
 def save(solution: Solution, placed: PublishedFrame | None, folder: str, name: str) -> list[Path]:
-    """Write the three files of a calibration; gives their paths.
+    """Write the three files of a calibration; return their paths.
 
-    - ``placed``: what tf was told of it.
-    - ``folder``: is made where it is missing; files of the name are replaced.
-    - ``name``: without folder and ending.
+    - ``placed``: the transform published on tf; None if none was.
+    - ``folder``: folder of the files; it is made if missing, and files of the name are replaced.
+    - ``name``: name of the files, without folder and ending.
 
-    Raises BadValueError: no plain name, no folder, or one that cannot be written.
+    Raises BadValueError: the name is not plain, or the folder is missing or cannot be written.
     """
     if not is_plain_name(name):
         expected = "a plain name: letters, digits, '_', '-' and '.', no folder in front"

@@ -30,7 +30,7 @@ _EITHER_MOUNT = 3
 def poses_from_array(message: PoseArray, frame: str, what: str, most: int) -> Array:
     """Read poses, shape (n, 4, 4).
 
-    - ``frame``: that they have to be in; empty = any.
+    - ``frame``: required frame of the poses; empty for any.
     - ``what``: name of the field.
     - ``most``: largest number of poses.
 

@@ -34,7 +34,7 @@ class TfTrack:
     def last(self) -> int | None:
         """Return the latest instant (ns of ROS time) with a pose; None = any instant.
 
-        Raises NoTransformError: there is none.
+        Raises NoTransformError: no pose is known.
         """
         if self._listener.missing:
             raise NoTransformError(self._listener.missing, may_come=False)
@@ -43,7 +43,7 @@ class TfTrack:
     def at(self, stamp: int) -> Array:
         """Return the pose (4, 4) at an instant (ns).
 
-        Raises NoTransformError: it is not kept, or not yet known.
+        Raises NoTransformError: the pose at this instant is no longer kept, or not yet known.
         """
         return self._listener.tree.between(self.parent, self._child, stamp).pose
 

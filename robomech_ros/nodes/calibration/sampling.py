@@ -23,8 +23,9 @@ _SAMPLES = 11
 class Sampler:
     """Takes samples from two tracks.
 
-    - ``node``: its clock, and others that are served meanwhile.
-    - ``robot``, ``tracking``: the hand in the robot's base, and the target in the sensor's frame.
+    - ``node``: gives the clock, and serves other requests meanwhile.
+    - ``robot``: poses of the hand in the robot's base.
+    - ``tracking``: poses of the target in the sensor's frame.
     """
 
     def __init__(

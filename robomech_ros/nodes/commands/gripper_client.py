@@ -41,13 +41,13 @@ def move_gripper(wanted: str, namespace: str, controller: str, timeout: float) -
 
     - ``wanted``: ``open``, ``close``, or a width (m); a position (rad or m) if the width is not
       known.
-    - ``namespace``: of the robot's nodes.
+    - ``namespace``: namespace of the robot's nodes.
     - ``controller``: name of the node whose parameters say which joints are the gripper.
     - ``timeout``: longest wait (s).
 
-    Returns a text that says where the gripper is, and whether that is what was wanted.
+    Returns a text with the width or position of the gripper, and whether it is the wanted one.
 
-    Raises BadValueError: it is no width, or the gripper is never so wide. NoGripperError: the robot
+    Raises BadValueError: ``wanted`` is not a number, or out of range. NoGripperError: the robot
     has no gripper. NoAnswerError: a node or the robot's description is missing, or there is no
     answer in time.
     """

@@ -89,7 +89,7 @@ def wake(node: Node) -> None:
 class Worker:
     """Does long work in a thread of its own, one piece after the other, while others are served.
 
-    - ``node``: whose callbacks have work to be done.
+    - ``node``: the node whose callbacks hand over the work.
     """
 
     def __init__(self, node: Node) -> None:
@@ -184,7 +184,7 @@ class _NextTurn:
 class TimeSlices:
     """Long work in short turns, between which waiting requests are served.
 
-    - ``node``: whose callback does the work.
+    - ``node``: the node whose callback does the work.
     """
 
     def __init__(self, node: Node) -> None:

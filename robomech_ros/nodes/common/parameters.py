@@ -115,7 +115,7 @@ class ParameterRow:
     def checked(self, value: Any) -> Any:
         """Return the value in the type of the row.
 
-        Raises ParameterError: it is of another type or out of range.
+        Raises ParameterError: the value has another type, or is out of range.
         """
         if self.kind is float and type(value) is int:
             value = float(value)

@@ -15,7 +15,7 @@ _DEPTH = 10
 class NodeHealth:
     """Health of a node."""
 
-    summary: str  #: In one line.
+    summary: str  #: The health in one line.
     warning: bool  #: Whether it needs attention.
     values: Mapping[str, object]  #: Further facts by name.
 
@@ -23,9 +23,9 @@ class NodeHealth:
 class StatusReport:
     """Publishes one status a second.
 
-    - ``part``: reported part of the node.
-    - ``hardware``: what it belongs to.
-    - ``describe``: gives the present condition.
+    - ``part``: name of the reported part of the node.
+    - ``hardware``: name of the robot or device that the part belongs to.
+    - ``describe``: returns the present health.
     """
 
     def __init__(

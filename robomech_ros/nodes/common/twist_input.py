@@ -20,12 +20,13 @@ _DEPTH = 10
 class TwistInput:
     """Passes received twist commands on to what follows them.
 
-    Stamped ones come on a topic, those without a stamp on the one with ``_unstamped`` behind it.
-    What has no stamp counts as new, but as old as it may be after the process was held up.
+    Stamped commands come on ``topic``, others on the topic of that name with ``_unstamped`` behind
+    it.  A command without a stamp counts as new, unless the process was held up: then it counts as
+    old as it can be.
 
-    - ``topic``: of stamped commands.
-    - ``follow``: takes ``[omega, v_x, v_y]`` (rad/s, m/s) and the age of the command (s), or
-      refuses it by a RobomechError.
+    - ``topic``: topic of stamped commands.
+    - ``follow``: called with ``[omega, v_x, v_y]`` (rad/s, m/s) and the age of the command (s); it
+      refuses a command by a RobomechError.
     - ``refusal``: why the last command was not followed; empty if it was.
     - ``refused``: how many commands were not followed.
     """

@@ -46,9 +46,9 @@ class States(NamedTuple):
 
     #: Times of the recording (s), shape (m,).
     t: Array
-    #: Base in the inertial frame (m), shape (m, 4, 4).
+    #: Poses of the base in the inertial frame (m), shape (m, 4, 4).
     poses: Array
-    #: Twists of the base, in its axes, shape (m, 6).
+    #: Twists of the base in its own axes, angular first (rad/s, m/s), shape (m, 6).
     twists: Array
     q: Array
     qd: Array
@@ -58,8 +58,9 @@ class CaptureTask:
     """Captures a drifting body.
 
     - ``robot``: chain of n joints.
-    - ``captured``: in its own frame, whose axes are those of the tip at the contact.
-    - ``marks``: times of the recording (s), and what begins there.
+    - ``captured``: the drifting body in its own frame, whose axes are those of the tip at the
+      contact.
+    - ``marks``: times of the recording (s), and the names of the motions that begin there.
     """
 
     def __init__(self, client: DemoClient, robot: FloatingChain, reporter: Reporter) -> None:
@@ -107,7 +108,7 @@ class CaptureTask:
     def momenta(self, states: States) -> Array:
         """Return linear momenta along the velocity of the body (N s), shape (m, 4).
 
-        Those of the base, of the arm with what it holds, of the free body, and of all; NaN around
+        The columns are the base, the arm with its payload, the free body, and the sum; NaN around
         the contact.
         """
         along, found = self._velocity / _SPEED, np.full((len(states.t), 4), np.nan)

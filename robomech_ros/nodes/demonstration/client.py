@@ -230,7 +230,7 @@ def running_client(
 ) -> Iterator[tuple[Suite, DemoClient]]:
     """Run nodes and a client of theirs; if something fails, print what the nodes said last.
 
-    - ``commands``: of each node, by name.
+    - ``commands``: command line of each node, by name.
     - ``names``, ``units``: the joints that the client records, and ``"rad"`` or ``"m"`` for each.
     """
     with running_suite(commands) as suite:

@@ -28,7 +28,7 @@ _CIRCLE_ANGLE, _WAYPOINTS = np.radians(300.0), 10
 class DemoPlatform:
     """A parallel robot; the same poses every time.
 
-    - ``mechanism``: of n joints.
+    - ``mechanism``: mechanism of n joints.
     """
 
     def __init__(self, mechanism: Mechanism) -> None:
@@ -50,7 +50,7 @@ class DemoPlatform:
     def targets(self) -> tuple[Array, Array]:
         """Poses (4, 4) where to pick and where to place, between which nothing is in the way.
 
-        Raises NoPostureError: there are none.
+        Raises NoPostureError: no such poses were found.
         """
         ends = self._ends()
         if not len(ends):

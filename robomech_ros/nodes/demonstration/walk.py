@@ -27,8 +27,8 @@ _PATIENCE, _TIME_FACTOR = 60.0, 3.0
 class Walk:
     """Walks along a path, and keeps what is published meanwhile.
 
-    - ``client``: whose node publishes and listens.
-    - ``lead``: parameter of the walker: twists take effect that much later (s).
+    - ``client``: client whose node publishes and subscribes.
+    - ``lead``: parameter of the walker: time until a twist takes effect (s).
     """
 
     def __init__(self, client: DemoClient, lead: float) -> None:

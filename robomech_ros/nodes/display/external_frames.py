@@ -35,10 +35,10 @@ _MOST_NAMES = 5
 class MovingFrames:
     """Frames that others publish on /tf.
 
-    While nobody else publishes there, nothing is read.  Messages do not say who sent them: of those
-    with a stamp and frames of its own, as many as the node itself has sent are its own.
+    While nobody else publishes there, nothing is read.  Messages do not name their sender: among
+    those with a stamp and frames of the node's own, as many as the node has sent count as its own.
 
-    - ``publisher``: its own.
+    - ``publisher``: publisher of the node's own frames.
     - ``rate``: how often frames are due (Hz).
     """
 
@@ -87,9 +87,9 @@ class MovingFrames:
 
 
 class FixedFrames:
-    """Frames that others publish on /tf_static, and that are not gone with them.
+    """Frames that running publishers other than the node itself publish on /tf_static.
 
-    - ``publisher``: its own.
+    - ``publisher``: publisher of the node's own frames.
     """
 
     def __init__(self, node: Node, publisher: FramePublisher) -> None:
@@ -139,9 +139,9 @@ def _children(message: Any) -> set[str]:
 
 
 class UnclaimedFrames:
-    """Has a publisher publish those frames of a robot that nobody else does, whoever comes or goes.
+    """Lets a publisher publish exactly those frames of a robot that nobody else publishes.
 
-    - ``publisher``: of all frames.
+    - ``publisher``: publisher of all frames.
     - ``robot``: name of the robot.
     - ``rate``: how often frames are due (Hz).
     """

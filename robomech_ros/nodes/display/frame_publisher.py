@@ -84,7 +84,7 @@ class FramePublisher:
     def publish(self, positions: Mapping[str, float], stamp: tuple[int, int]) -> None:
         """Publish the frames of the joints that move.
 
-        - ``positions``: of every joint that moves (rad or m).
+        - ``positions``: position of every moving joint (rad or m).
         - ``stamp``: ROS time (s and ns) at which the joints were there.
         """
         self.turns += 1

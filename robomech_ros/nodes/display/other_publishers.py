@@ -11,16 +11,17 @@ PERIOD = 0.5
 class OtherPublishers:
     """Finds the publishers of a topic that are not a node's own.
 
-    - ``node``: its own publishers do not count, as many as there are; a namesake's do.
-    - ``topic``: full name.
+    - ``node``: the node whose own publishers do not count.  Another node of the same name counts:
+      only as many publishers as this node has are left out.
+    - ``topic``: full name of the topic.
     """
 
     def __init__(self, node: Node, topic: str) -> None:
         self._node, self._topic = node, topic
         self._known: set[bytes] = set()
-        #: Full names of their nodes, one for each publisher, as of the last look.
+        #: Full name of the node of each other publisher at the last look.
         self.nodes: tuple[str, ...] = ()
-        #: Whether a publisher that was there at the look before was gone at the last.
+        #: Whether a publisher disappeared between the last two looks.
         self.one_left = False
 
     def look(self) -> tuple[str, ...]:

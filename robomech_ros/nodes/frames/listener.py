@@ -32,13 +32,13 @@ class FrameListener:
     """Knows the frames that others publish."""
 
     def __init__(self, node: Node) -> None:
-        self.tree = FrameTree()  #: As of the last look.
-        self.missing = ""  #: Why there is nothing to listen to; empty where tf2_msgs is installed.
-        #: What of what was heard could not be used at last; empty if all could, or if the same
-        #: frame was heard of rightly since.
+        self.tree = FrameTree()  #: The frames known at the last look.
+        self.missing = ""  #: Why tf cannot be read; empty if tf2_msgs is installed.
+        #: Text on the latest invalid transform; empty if there was none, or if a valid transform of
+        #: the same frame came later.
         self.fault = ""
-        #: When the first of the frames in the tree was heard of (s, on the monotonic clock),
-        #: infinite while there is none.
+        #: When the first frame of the tree was received (s, on the monotonic clock); infinite while
+        #: the tree is empty.
         self.receiving_since = math.inf
         self._faulty = ""
         self._clock = node.get_clock()

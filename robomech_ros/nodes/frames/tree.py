@@ -33,15 +33,15 @@ class NoTransformError(RobomechError):
 class TransformResult(NamedTuple):
     """Pose of a frame in another one."""
 
-    pose: Array  #: Of the source in the target (m), shape (4, 4).
-    stamp: int | None  #: ROS time (ns) at which it was there; None if that does not change.
-    slowest: str  #: The frame on the way whose news are oldest; empty if nothing changes.
+    pose: Array  #: Pose of the source in the target (m), shape (4, 4).
+    stamp: int | None  #: ROS time (ns) of the pose; None if all frames are static.
+    slowest: str  #: Frame with the oldest latest transform; empty if all are static.
 
 
 class FrameTree:
-    """Frames, their parents, and where they were in them over the last seconds.
+    """Frames, their parents, and their poses over the last seconds.
 
-    What senders say may be anything: a circle of frames is found, and memory is bounded.
+    Messages may have any content: circles of frames are detected, and memory is bounded.
     """
 
     def __init__(self) -> None:
@@ -112,7 +112,7 @@ class FrameTree:
 
         - ``stamp``: instant (ns) for frames that change their parents; default what was heard last.
 
-        Raises NoTransformError: there is no such frame, or the way is a circle.
+        Raises NoTransformError: there is no such frame, or its parents form a circle.
         """
         if frame not in self:
             text = f"tf has no frame {frame[:200]!r}" if self._histories else "tf has no frames yet"

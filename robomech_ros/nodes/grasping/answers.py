@@ -95,10 +95,12 @@ def analysed(
 ) -> GraspAnalysis:
     """Analyse contacts.
 
-    - ``matrix``: their grasp matrix about the origin, shape (6, m), or (3, m) in the plane.
-    - ``**options``: of :func:`grasp_quality`.
+    - ``matrix``: grasp matrix of the contacts about the origin, shape (6, m), or (3, m) in the
+      plane.
+    - ``made_by``: posture of the hand that makes the contacts; None if it is not given.
+    - ``**options``: options of :func:`grasp_quality`.
 
-    Raises RobomechError: contacts that the hand cannot make, or a tolerance or length that is none.
+    Raises RobomechError: the hand cannot make the contacts, or a tolerance or length is invalid.
     """
     quality = grasp_quality(contacts, **options)
     closed = is_force_closed(contacts), is_form_closed(contacts)

@@ -82,7 +82,7 @@ class LivelinessMonitor:
 
         The subscriptions of a killed one stay in the graph, and what is sent to them is lost.
 
-        - ``topic``: its name, as the middleware has it where names are not mangled.
+        - ``topic``: full name of the topic; the middleware's own name with ``no_mangle``.
         - ``no_mangle``: as `Node.get_subscriptions_info_by_topic` has it.
         """
         if not self._lives:

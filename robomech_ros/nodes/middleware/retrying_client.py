@@ -60,7 +60,7 @@ def changes_nothing(kind: Any) -> bool:
 class RetriedRequest:
     """A request on its way; one that changes nothing may be sent several times.
 
-    - ``client``: of a service that is there.
+    - ``client``: client of an available service.
     - ``kind``: the interface of the service.
     """
 

@@ -61,7 +61,7 @@ INTERFACES = {
 def chosen_robot(settings: MobileBaseSettings) -> tuple[RollingRobot, WheelJoints]:
     """Load or make the robot that the parameters say, with its limits.
 
-    Raises RobomechError: there is none, or it cannot be.
+    Raises RobomechError: the parameters name no robot, or an impossible one.
     """
     if settings.robot_description:
         robot = rolling_robot(settings.robot_description)

@@ -55,12 +55,12 @@ class MobileBase:
     def take(self, command: ArrayLike, age: float) -> None:
         """Follow a command from the next update on.
 
-        - ``command``: ``[omega, v_x, v_y]`` (rad/s, m/s); what the drive cannot give is left out,
-          shape (3,).
-        - ``age``: how old it is (s); what comes from the future is new.
+        - ``command``: ``[omega, v_x, v_y]`` (rad/s, m/s), shape (3,); components that the drive
+          cannot give are ignored.
+        - ``age``: age of the command (s); a negative age counts as 0.
 
-        Raises BadValueError: it is older than the time-out. RobomechError: it is not three finite
-        numbers.
+        Raises BadValueError: the command is older than the time-out. RobomechError: it does not
+        consist of three finite numbers.
         """
         timeout = self.options.timeout
         if age > timeout > 0.0:

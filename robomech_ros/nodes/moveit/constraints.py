@@ -36,12 +36,12 @@ _TURNS = (OrientationConstraint.XYZ_EULER_ANGLES, OrientationConstraint.ROTATION
 class Conditions:
     """Constraints of a request, to be checked on an answer.
 
-    - ``constraints``: constraints; of a request.
-    - ``places``: where the frames are that `frames_of` lists.
-    - ``what``: their name in the request.
+    - ``constraints``: the Constraints message of a request.
+    - ``places``: poses of the frames that `frames_of` lists.
+    - ``what``: name of the constraints in the request.
 
-    Raises RejectedError: one that this node cannot judge. RobomechError: a joint or link that the
-    robot does not have, or an invalid number.
+    Raises RejectedError: this node cannot judge a constraint. RobomechError: a joint or link is not
+    part of the robot, or a number is invalid.
     """
 
     def __init__(

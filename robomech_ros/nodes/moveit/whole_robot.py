@@ -24,7 +24,7 @@ class WholeRobot:
 
     Joints that follow another are no part of it: MoveIt derives them from the joint they follow.
 
-    - ``frames``: of the robot, with its present state.
+    - ``frames``: frames of the robot in its present state.
     - ``attached``: returns the attached objects of the planning scene by name.
     """
 
@@ -42,10 +42,10 @@ class WholeRobot:
         """Read the positions (rad or m) that a RobotState gives, by joint.
 
         - ``state``: RobotState.
-        - ``what``: its name in the request.
+        - ``what``: name of the state in the request.
 
-        Raises BadValueError: it contains objects that the robot of the planning scene does not
-        carry. UnknownJointError: what it says of joints is not to be understood.
+        Raises BadValueError: the state has objects that are not attached in the planning scene.
+        UnknownJointError: the state has invalid entries for joints.
         """
         for one in state.attached_collision_objects:
             if one.object.id not in self._attached():

@@ -28,8 +28,8 @@ def bound_memory(largest: int = LARGEST_DATA) -> None:
     93 million poses, for which a node took all memory of the machine, silent for minutes.  Such a
     list is refused by the bound, and the bytes are passed over.
 
-    - ``largest``: of the data of the process (bytes), beside what libraries reserve for each
-      processor.
+    - ``largest``: largest size of the data of the process (bytes), without the memory that
+      libraries reserve for each processor.
     """
     largest += _EACH_PROCESSOR * (os.cpu_count() or 1)
     soft, hard = resource.getrlimit(resource.RLIMIT_DATA)

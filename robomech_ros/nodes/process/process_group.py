@@ -31,7 +31,7 @@ class ProcessGroup:
 
     - ``commands``: name to command line.
     - ``environment``: variables to set on top of the present ones.
-    - ``log``: where the children write both their streams; default where this process writes.
+    - ``log``: file for both output streams of the children; default those of this process.
     """
 
     def __init__(

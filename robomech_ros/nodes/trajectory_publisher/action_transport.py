@@ -28,12 +28,11 @@ def request_topic(action: str) -> str:
 
 
 class ActionTransport:
-    """Sends execution requests as goals; of all goals the result of the last one counts.
+    """Sends execution requests as goals; only the result of the latest goal counts.
 
-    - ``goals``: those of the action.
-    - ``tolerances``: what every goal asks of the controller.
-    - ``on_result``: called with every execution request whose result has come, its code and its
-      text.
+    - ``goals``: writes the goals of the action, and reads its results.
+    - ``tolerances``: tolerances of every goal.
+    - ``on_result``: called with an execution request, and with the code and text of its result.
     """
 
     def __init__(

@@ -33,7 +33,7 @@ class DispatchLoop:
         self._node, self._log = node, ThrottledLog(node.get_logger())
         self.clock = clock
         given = dispatch_settings(settings)
-        #: What executes execution requests.
+        #: Executes the requests one after the other.
         self.dispatcher = Dispatcher(link, given, self._log_end, self._log_stall, obstruction)
         self._timer = node.create_timer(1.0 / settings.watch_rate, self._look, clock=clock.clock)
         self._timer.cancel()
@@ -47,7 +47,7 @@ class DispatchLoop:
     def offer(self, execution: ExecutionRequest) -> None:
         """Queue an execution request.
 
-        Raises QueueFullError: it is not accepted.
+        Raises QueueFullError: too many requests wait already.
         """
         self.dispatcher.offer(execution, self.clock.now())
         self.watch()

@@ -33,9 +33,9 @@ class NoPlanError(NoStateError):
 class ExecuteService:
     """Executes what a request asks for, and answers when the motion has ended.
 
-    - ``settings``: how far the robot may be from start and goal.
-    - ``plans``: where the latest plan is, what makes execution requests, and what executes them.
-    - ``link``: knows where the robot is.
+    - ``settings``: parameters, with the tolerances of start and goal.
+    - ``plans``: the latest plan, the reader of requests, and the loop that executes them.
+    - ``link``: knows the positions of the joints.
     """
 
     def __init__(

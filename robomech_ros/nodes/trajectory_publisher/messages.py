@@ -20,20 +20,20 @@ _NANO = 1_000_000_000
 
 @dataclass
 class ExecutionReader:
-    """Makes execution requests of messages."""
+    """Turns received trajectories into execution requests."""
 
-    clock: MotionClock  #: The time from which stamps count.
-    max_points: int  #: Most points of a trajectory.
-    max_duration: float  #: How long one may last, s.
-    #: The joints that there are; empty as long as the robot is not known.
+    clock: MotionClock  #: The clock of the stamps.
+    max_points: int  #: Largest number of points of a trajectory.
+    max_duration: float  #: Longest duration of a trajectory (s).
+    #: Names of all joints of the robot; empty until the robot is known.
     robot_joints: tuple[str, ...] = ()
 
     def read(
         self, message: JointTrajectory, transport: Transport, *, ignore_collisions: bool = False
     ) -> ExecutionRequest:
-        """Check a received trajectory, and make an execution request of it.
+        """Check a received trajectory, and turn it into an execution request.
 
-        Raises RobomechError: it is refused.
+        Raises RobomechError: the trajectory is refused.
         """
         names = list(message.joint_names)
         if not names:
@@ -51,11 +51,10 @@ class ExecutionReader:
 def message_from_execution(execution: ExecutionRequest, now: int) -> JointTrajectory:
     """Make the message of an execution request.
 
-    - ``execution``: what is to be sent.
-    - ``now``: ROS time of `sent_at`, ns; where the pace is changed on the way, the stamp counts
-      from it.
+    - ``execution``: the execution request to be sent.
+    - ``now``: ROS time of `sent_at` (ns); the stamp of a message at another pace counts from it.
 
-    Returns the message as it came, unless it is sent at another pace.
+    Returns the received message, unless it is sent at another pace.
     """
     if not execution.paced:
         return execution.trajectory

@@ -43,29 +43,29 @@ _MOST_CYCLES = 1_000_000
 class Step:
     """A move to a posture, or a wait."""
 
-    posture: str = ""  #: Where to move; empty for a wait.
-    positions: tuple[float, ...] = ()  #: Joint positions of the posture, rad or m.
-    wait: float = 0.0  #: How long to wait, s.
-    options: Mapping[str, Any] = field(default_factory=dict)  #: Of `point_to_point`.
+    posture: str = ""  #: Name of the goal posture; empty for a wait.
+    positions: tuple[float, ...] = ()  #: Joint positions of the posture (rad or m).
+    wait: float = 0.0  #: Duration of a wait (s).
+    options: Mapping[str, Any] = field(default_factory=dict)  #: Keywords of `point_to_point`.
 
 
 @dataclass(frozen=True)
 class Program:
     """Steps to execute, and their repetitions."""
 
-    steps: tuple[Step, ...]  #: In their order.
-    cycles: int  #: How often; 0 = until it is cancelled.
+    steps: tuple[Step, ...]  #: Steps in the order of execution.
+    cycles: int  #: Number of repetitions; 0 for without end.
 
 
 def read_program(path: Path, chain: SerialChain, semantic: SemanticDescription) -> Program:
     """Read a program for a robot.
 
-    - ``path``: of the YAML file.
+    - ``path``: path of the YAML file.
     - ``chain``: the robot, for the number of joints and their ranges.
-    - ``semantic``: for named postures that the program does not give itself.
+    - ``semantic``: named postures of the robot, for those that the program does not define.
 
-    Raises RobotDescriptionError: the file cannot be read, or says something that cannot be; with
-    the place in it.
+    Raises RobotDescriptionError: the file cannot be read, or has an invalid entry; the text names
+    its place.
     """
     where = f"program '{path}'"
     try:

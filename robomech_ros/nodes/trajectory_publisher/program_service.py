@@ -27,10 +27,10 @@ from robomech_ros.typing import Array
 class ProgramService:
     """Reads a program and has it run, from where the robot is.
 
-    - ``table``: which program.
-    - ``runner``: runs it.
-    - ``loop``: where nothing else may be under way.
-    - ``link``: knows where the robot is.
+    - ``table``: parameters, which name the program.
+    - ``runner``: runs the program.
+    - ``loop``: executes motions; it must be idle when a program starts.
+    - ``link``: knows the positions of the joints.
     """
 
     def __init__(
@@ -109,9 +109,10 @@ class ProgramService:
 
 
 def program_file(settings: PublisherSettings) -> Path:
-    """Find the file of the program: nobody who only reaches the node may have any other read.
+    """Find the file of the program; a request cannot name a file outside the folder of programs.
 
-    Raises BadValueError: there is none. ParameterError: it is outside of the folder of programs.
+    Raises BadValueError: the parameter ``program`` is empty. ParameterError: the file is outside
+    the folder of programs.
     """
     name, folder = settings.program, settings.program_folder
     if not name:
@@ -132,7 +133,7 @@ def program_file(settings: PublisherSettings) -> Path:
 def check_program_change(before: PublisherSettings, after: PublisherSettings) -> None:
     """Refuse a program that is set at run time, unless it is in the folder of programs.
 
-    Raises ParameterError: it is not, or there is no such folder.
+    Raises ParameterError: the program is outside that folder, or there is no such folder.
     """
     if after.program == before.program or not after.program:
         return

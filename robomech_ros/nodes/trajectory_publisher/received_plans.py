@@ -31,9 +31,9 @@ _ARRIVAL_WAIT = 0.1
 class ReceivedPlans:
     """Keeps the latest plan, and has every new one executed if that is wanted.
 
-    - ``table``: where plans come from, and what is done with them.
-    - ``reader``: makes execution requests of them.
-    - ``loop``: executes them.
+    - ``table``: parameters: the topic of the plans, and whether they are executed at once.
+    - ``reader``: turns plans into execution requests.
+    - ``loop``: executes the requests.
     """
 
     def __init__(
@@ -48,10 +48,10 @@ class ReceivedPlans:
         self._table, self.reader, self.loop = table, reader, loop
         self._next: Future | None = None
         self._waiting = self._given_up = 0
-        self.latest: ExecutionRequest | None = None  #: The plan that came last.
-        self.asked: ExecutionRequest | None = None  #: The trajectory that a request gave last.
-        self.refusal = ""  #: Why the plan that came last was refused; empty if it was not.
-        #: Where plans come from, in words.
+        self.latest: ExecutionRequest | None = None  #: The latest received plan.
+        self.asked: ExecutionRequest | None = None  #: The trajectory of the latest request.
+        self.refusal = ""  #: Why the latest plan was refused; empty if it was accepted.
+        #: The topics of plans, as text for messages.
         self.topics = self._listen(table.settings.planner_topic)
 
     def executes(self, trajectory: JointTrajectory) -> bool:

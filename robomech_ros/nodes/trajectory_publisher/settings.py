@@ -138,7 +138,7 @@ def asked_tolerances(settings: PublisherSettings) -> AskedTolerances:
 def action_goals(transport: Transport) -> "ExecuteGoals | FollowGoals":
     """Return the action of a transport.
 
-    Raises ParameterError: it is of a package that is not installed.
+    Raises ParameterError: the package of the action is not installed.
     """
     if transport is not Transport.FOLLOW:
         return ExecuteGoals()

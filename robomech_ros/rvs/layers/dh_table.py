@@ -55,10 +55,10 @@ def dh_rows(
 ) -> str:
     """Write the table; a number that is typed goes into the text field of changes.
 
-    - ``names``, ``joint_units``: of the joints; a joint adds its value to theta where it turns, to
-      b where it slides.
-    - ``document``: what is saved.
-    - ``version``: another number brings back what was typed over.
+    - ``names``: names of the joints.
+    - ``joint_units``: units of the joints: the value of a joint in rad adds to theta, in m to b.
+    - ``document``: the text that is saved.
+    - ``version``: a new number restores the numbers that were typed over.
     """
     head = "".join(f"<th>{title} ({units.name(unit)})</th>" for _, title, unit in _TITLES)
     rows = []

@@ -18,7 +18,7 @@ SAME = 5e-5
 class GripperLayer(Layer):
     """The slider, for an arm with a gripper; other robots get none.
 
-    - ``robot``: the robot that runs, which is commanded; by default the gripper of the page moves.
+    - ``robot``: the running robot to command; by default the gripper moves on the page only.
     """
 
     # A value of the slider is noted at once, so that the slider is not set back meanwhile.

@@ -175,7 +175,7 @@ class LiveLayer(LivePage):
         self._leave_behind(self._goal.is_behind)
 
     def show_base(self, T: Array) -> None:
-        """Draw the robot, its goal and all that is in its base with the base at a pose (m)."""
+        """Move the drawn robot, its goal and all else in its base to a pose (4, 4) of the base."""
         self._place.move_base(T)
 
     def _show_fingers(self, positions: Mapping[str, float]) -> None:

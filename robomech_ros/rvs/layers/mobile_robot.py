@@ -22,7 +22,7 @@ TRAIL, AHEAD = (31, 119, 180), (230, 120, 20)
 class MobileRobotLayer(Layer):
     """The layer.
 
-    - ``place``: of a page on which a :class:`MobileRobotView` is moved.
+    - ``place``: context of a page on which a :class:`MobileRobotView` is moved.
     """
 
     order, expanded = 3.5, True

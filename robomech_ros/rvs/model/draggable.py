@@ -158,7 +158,7 @@ class DraggableRobot(ABC):
     def drag(self, T: ArrayLike) -> None:
         """Bring the end to a pose (4, 4), in the base (m).
 
-        Raises RobomechError: it is no pose, or the robot cannot take it: it stays.
+        Raises RobomechError: the matrix is not a pose, or the robot cannot take it and stays.
         """
 
     def release(self) -> None:

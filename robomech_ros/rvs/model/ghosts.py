@@ -68,7 +68,7 @@ class Ghosts:
     """The pieces of an arm, for as many postures as there are.
 
     - ``shapes``: generated shapes of its links.
-    - ``slimness``: what is seen at one place together differs in it: the slimmer is inside.
+    - ``slimness``: relative radius; of ghosts at the same place, the slimmer is inside the other.
     """
 
     def __init__(

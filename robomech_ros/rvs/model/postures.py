@@ -24,11 +24,11 @@ HERE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Posture:
-    """One way to take a pose."""
+    """One posture in which the tip takes a pose."""
 
     #: Joint values (rad or m), shape (n,).
     q: Array
-    #: Its branch.
+    #: Branch of the inverse kinematics.
     name: str
     #: Largest move of a joint from the present posture (rad or m).
     distance: float
@@ -47,25 +47,25 @@ class Posture:
 class PoseStudy:
     """All that is shown of one pose.
 
-    - ``position_error``, ``orientation_error``: by how much the nearest posture misses it (m, rad);
-      0 where there are postures.
+    - ``position_error``, ``orientation_error``: deviation of the nearest posture from the pose (m,
+      rad); 0 if a posture takes it.
     """
 
     #: ``T_base_tip`` (m), shape (4, 4).
     target: Array
-    #: Inside the limits, in the order of their names, so that each keeps its place while the arm
-    #: moves; samples of a self-motion are in the order of their distance.
+    #: Postures inside the limits.  They are sorted by their names, so that each keeps its place
+    #: while the arm moves; samples of a self-motion are sorted by their distance.
     postures: tuple[Posture, ...]
-    #: Whether these are provably all.
+    #: Whether the list of postures is provably complete.
     complete: bool
     status: Status
-    #: Why there is none, or what else is to be said, in a sentence; may be empty.
+    #: Sentence on why there is no posture, or another remark; may be empty.
     reason: str
     #: The posture inside the limits that misses the pose least, shape (n,), if none takes it.
     nearest: Array | None = None
     position_error: float = 0.0
     orientation_error: float = 0.0
-    #: Sentence of the robot itself about the pose, instead of the number of postures.
+    #: Sentence about the pose that replaces the number of postures.
     text: str | None = None
 
     @property
@@ -104,7 +104,7 @@ def pose_summary(
 def study_pose(chain: SerialChain, T: Array, present: Array) -> PoseStudy:
     """Find every posture of an arm at a pose, or why there is none and what is nearest.
 
-    - ``present``: where the arm is (rad or m), inside its limits, shape (n,).
+    - ``present``: present posture of the arm (rad or m), inside its limits, shape (n,).
     """
     result = inverse_kinematics(chain, T, seed=present)
     known = (result.complete, result.status, result.reason.rstrip("."))

@@ -175,8 +175,8 @@ def plan_around(
     - ``kind``: one of ``AROUND_KINDS``.
     - ``profile``: as for :func:`robomech_ros.collision.timed_path`.
 
-    Raises BadValueError: an unknown way or profile, or the start is the goal. RobomechError: as for
-    ``PlanningScene.plan`` and ``timed_path``.
+    Raises BadValueError: the kind or profile is unknown, or the start is the goal. RobomechError:
+    as for ``PlanningScene.plan`` and ``timed_path``.
     """
     as_choice("way", kind, AROUND_KINDS)
     if np.array_equal(start, goal):

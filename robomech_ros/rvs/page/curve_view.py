@@ -50,8 +50,8 @@ class Owner(Protocol):
 class CurveView:
     """The curves of two equations in one browser.
 
-    - ``names``: of the equations; the curves of two are drawn.
-    - ``pair``: those that are drawn at first.
+    - ``names``: names of the equations; the curves of two are drawn.
+    - ``pair``: indices of the two equations that are drawn at first.
     """
 
     def __init__(self, gui: Any, owner: Owner, names: Sequence[str], pair: tuple[int, int]) -> None:
@@ -109,9 +109,9 @@ class CurveView:
             self._owner.compute("all", self._mark_all)
 
     def draw(self, here: Array | None = None) -> None:
-        """Draw the curves anew; what was found on the former ones is forgotten.
+        """Draw the curves anew, without the crossings of the former ones.
 
-        - ``here``: where something is now, which is marked, shape (2,).
+        - ``here``: position of the mark for the present state, shape (2,); None for no mark.
         """
         self._here = here
         self._owner.compute("draw", self._draw)

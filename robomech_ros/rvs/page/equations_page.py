@@ -24,8 +24,8 @@ class EquationsPage(ServedPage):
     """A page of equations, served until it is closed.
 
     - ``equations``: as in :func:`~robomech_ros.rvs.view_equations`.
-    - ``count``: how many equations there are.
-    - ``pair``: those that are drawn at first, from 0.
+    - ``count``: number of equations.
+    - ``pair``: indices of the two equations that are drawn at first, from 0.
     - ``port``, ``host``: as for :func:`robomech_ros.rvs.view`.
     """
 

@@ -10,12 +10,12 @@ from robomech_ros.rvs.page.units import AngleSlider, Units, UnitText
 
 
 class Folder:
-    """A folder, and what is in it, of which each control has something done.
+    """A folder of the page with its controls, each with an action.
 
-    - ``order``: among the folders of the page.
-    - ``expanded``: whether it is open at first.
-    - ``ask``: has the change of a control, known by its label, made elsewhere; by default it is
-      made on the thread of the server.
+    - ``order``: position among the folders of the page.
+    - ``expanded``: whether the folder is open at first.
+    - ``ask``: hands the action of a control, by its label, to another thread; by default it runs on
+      the thread of the server.
     """
 
     def __init__(

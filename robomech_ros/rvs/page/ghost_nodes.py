@@ -22,9 +22,9 @@ CROSS = "\N{MULTIPLICATION SIGN}"
 class Ghost(NamedTuple):
     """One ghost."""
 
-    #: Number of the posture, from 0; written beside the ghost from 1.
+    #: Index of the posture, from 0; the page counts from 1.
     number: int
-    #: rad or m, shape (n,).
+    #: Posture (rad or m), shape (n,).
     q: Array
     #: Red, green, blue, 0 to 255.
     colour: Rgb
@@ -38,10 +38,10 @@ class Ghost(NamedTuple):
 
 
 class GhostBatch:
-    """Ghosts of one look.
+    """Ghosts with a common opacity.
 
-    - ``name``: of their node, at the base of the arm.
-    - ``opacity``: from 0 to 1.
+    - ``name``: name of their node, at the base of the arm.
+    - ``opacity``: opacity from 0 to 1.
     """
 
     def __init__(self, scene: Any, name: str, ghosts: GhostMaker, opacity: float) -> None:

@@ -50,7 +50,7 @@ class Switch(NamedTuple):
 class PlanView:
     """The plan that a page shows, or none; not for several threads at a time.
 
-    - ``name``: what it is, for people.
+    - ``name``: name of the plan on the page.
     """
 
     def __init__(self) -> None:

@@ -16,7 +16,7 @@ def add_mesh(
 
     - ``colour``: red, green and blue.
     - ``alpha``: from 0 to 1.
-    - ``**options``: of ``add_mesh_simple``.
+    - ``**options``: options of ``add_mesh_simple``.
     """
     return scene.add_mesh_simple(
         name,

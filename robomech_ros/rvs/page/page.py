@@ -28,10 +28,10 @@ WITH_THE_ARM = ("ghosts", "gizmo")
 class RobotPage(ServedPage):
     """A page of one robot, served until it is closed.
 
-    - ``moved``: the arm of it that is moved; or the robot, if it is no arm.
+    - ``moved``: the arm of the robot that is moved; other robots are moved as a whole.
     - ``port``, ``host``: as for :func:`robomech_ros.rvs.view`.
     - ``layers``: each makes a layer of the page.
-    - ``fixed``: whether another robot is refused, as where this one runs.
+    - ``fixed``: whether the page refuses another robot, as that of a running robot does.
     """
 
     def __init__(
@@ -177,8 +177,8 @@ class RobotPage(ServedPage):
     def show_plan(self, motion: Motion, name: str = "plan") -> None:
         """Show a motion of the robot: a sweep of ghosts, and its curves; returns at once.
 
-        - ``motion``: of the joints of this page's arm, or of all those of its parallel robot.
-        - ``name``: what it is, for people.
+        - ``motion``: motion of all joints of the page's arm or parallel robot.
+        - ``name``: name of the motion on the page.
         """
         self._check_joints(motion)
         self._ask("plan", lambda: self._show_plan(motion, name))

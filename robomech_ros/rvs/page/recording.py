@@ -60,10 +60,10 @@ def motion_page(
     """Return the page that plays a motion, as HTML.
 
     - ``description``, ``motion``, ``title``: as for ``write_motion``.
-    - ``markers``: drawn beside the robot.
-    - ``notes``: written under the title.
+    - ``markers``: markers that are drawn beside the robot.
+    - ``notes``: lines under the title.
     - ``trail``: as for ``write_motion``.
-    - ``objects``: of a planning scene with the base of the motion.
+    - ``objects``: objects of a planning scene, placed in the base of the motion.
     """
     seen = load_visual_model(description)
     server = guarded_server("127.0.0.1", 0, title)

@@ -28,7 +28,7 @@ class RobotNodes:
     """The nodes of a robot.
 
     - ``root``: name of the node above all links.
-    - ``tint``: one colour for all bodies, from 0 to 1 with alpha; default their own.
+    - ``tint``: red, green, blue and alpha of all bodies, from 0 to 1; default their own colours.
     - ``node``: the node above all links, viser.FrameHandle.
     """
 

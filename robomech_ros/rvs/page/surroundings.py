@@ -57,7 +57,7 @@ def fit_camera(client: Any, points: Array) -> None:
 
 
 def set_theme(gui: Any, dark: bool) -> None:
-    """Draw pages dark or light, without anything that leads elsewhere."""
+    """Draw pages dark or light, without links to other sites."""
     gui.configure_theme(
         control_width="large", dark_mode=dark, show_logo=False, show_share_button=False
     )

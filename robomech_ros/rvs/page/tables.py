@@ -136,10 +136,10 @@ def short_name(joint: str) -> str:
 
 
 def fact_table(name: str, facts: Sequence[tuple[str, str]]) -> str:
-    """Write names and what is known of them as HTML; of an empty name only the fact is seen.
+    """Write named facts as HTML; a fact with an empty name stands alone.
 
-    - ``name``: of the table, as the attribute ``data-name``.
-    - ``facts``: text, not HTML.
+    - ``name``: name of the table, its attribute ``data-name``.
+    - ``facts``: pairs of a name and its fact, both plain text.
     """
     rows = []
     for what, fact in facts:

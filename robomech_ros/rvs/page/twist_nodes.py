@@ -15,7 +15,7 @@ SHAFT, HEAD, HEAD_LENGTH = 0.007, 0.02, 0.05
 class TwistNodes:
     """The arrows of some twists, drawn as soon as there are any.
 
-    - ``name``: of the nodes, to which ``_linear`` and ``_angular`` are added.
+    - ``name``: name of the nodes, before the endings ``_linear`` and ``_angular``.
     """
 
     def __init__(self, space: NodeSpace, name: str) -> None:

@@ -23,8 +23,8 @@ DIMMED = 0.6
 class WorkspaceNodes:
     """The nodes.
 
-    - ``clicked``: gets the browser (viser.ClientHandle) and the place (3,) of a point that is
-      clicked (m).
+    - ``clicked``: called with the browser (viser.ClientHandle) and the position (3,) of a clicked
+      point (m).
     """
 
     def __init__(self, space: NodeSpace, clicked: Callable[[Any, Array], None]) -> None:

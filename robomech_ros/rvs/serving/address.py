@@ -1,4 +1,4 @@
-"""Default address of pages, and what prevents listening at an address."""
+"""Default address of pages, and errors of listening at an address."""
 
 import os
 
@@ -10,7 +10,7 @@ GREATEST_PORT = 65535
 
 
 class AddressError(RobomechError):
-    """The page cannot listen at an address, for a reason of the system."""
+    """The system does not let the page listen at an address."""
 
     def __init__(self, host: str, port: int, error: OSError) -> None:
         number = error.errno or 0

@@ -58,7 +58,7 @@ _DECODER = Decoder(Union[_MESSAGES])  # noqa: UP007
 def is_acceptable(raw: object) -> bool:
     """Say whether a message is one that a page sends, all its numbers finite.
 
-    - ``raw``: from the connection: text, or bytes in msgpack.
+    - ``raw``: message from the connection: text, or bytes in msgpack.
     """
     if not isinstance(raw, bytes) or len(raw) > LONGEST_MESSAGE:
         return False

@@ -107,11 +107,11 @@ def guarded_server(host: str, port: int, label: str) -> GuardedServer:
     """Start viser behind a gate.
 
     - ``host``: address to listen on.
-    - ``port``: 0 takes a free one.
-    - ``label``: shown on top of the panel.
+    - ``port``: port to listen on; 0 for any free one.
+    - ``label``: title of the panel.
 
-    Raises BadValueError: it is no port number. AddressError: the system does not let anybody listen
-    there. PortTakenError: somebody else listens there.
+    Raises BadValueError: the port number is invalid. PortTakenError: another program listens there.
+    AddressError: the system refuses the address.
     """
     listener = _listener(host, port)
     gate = AccessControl(host, listener.getsockname()[1])
@@ -182,7 +182,7 @@ class WakeUp(asyncio.Event):
     loop set it.  A sender that begins to wait between the two finds it not set, and never hears of
     it: what is set already wakes nobody.  Here the first does nothing.
 
-    - ``loop``: of the server.
+    - ``loop``: event loop of the server.
     """
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:

@@ -1,4 +1,4 @@
-"""A thread that has something done again and again while it is switched on."""
+"""A thread that calls a function periodically while it is switched on."""
 
 import threading
 from collections.abc import Callable

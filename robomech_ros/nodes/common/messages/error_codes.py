@@ -38,9 +38,10 @@ class NoStateError(RobomechError):
 
 
 class RobotMovesError(NoStateError):
-    """The present state is needed as one at rest, and a joint moves.
+    """A joint moves, but the request needs the robot at rest.
 
-    - ``speed``, ``tolerance``: its speed, and the largest that counts as rest, rad/s or m/s.
+    - ``speed``, ``tolerance``: speed of the joint, and the largest that counts as rest (rad/s or
+      m/s).
     - ``unit``: ``"rad"`` or ``"m"``; empty where it is not known.
     """
 
@@ -56,8 +57,8 @@ class RobotMovesError(NoStateError):
 class OutcomeError(RobomechError):
     """The requested result does not exist: an outcome of the mathematics, with its code.
 
-    - ``code``: that of the answer.
-    - ``text``: why.
+    - ``code``: code of the answer.
+    - ``text``: the reason.
     """
 
     def __init__(self, code: Code, text: str) -> None:

@@ -14,11 +14,11 @@ _CODE, _LABEL, _RUN = "last refusal code", "last refused trajectory", "counted s
 class Refusal(NamedTuple):
     """The trajectory that a controller refused last."""
 
-    number: int  #: How many were refused so far.
-    code: int  #: One of `Code`; 0 where none was refused since the last that was accepted.
-    text: str  #: The reason; empty where none was refused.
-    label: str  #: That of the trajectory, by `trajectory_label`; else empty.
-    #: A text that another start of the controller does not repeat; empty where it has none.
+    number: int  #: Number of refused trajectories so far.
+    code: int  #: One of `Code`; 0 if the latest trajectory was accepted.
+    text: str  #: The reason; empty if none was refused.
+    label: str  #: Label of the trajectory, see `trajectory_label`; may be empty.
+    #: A text that is different after each start of the controller; empty if unknown.
     run: str = ""
 
 

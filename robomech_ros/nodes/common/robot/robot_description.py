@@ -90,14 +90,14 @@ def check_frame_prefix(prefix: str) -> None:
 
 
 class RobotModel:
-    """A robot and what of it a node works with: a chain, loops of a parallel robot, or legs.
+    """A robot, and the part that a node works with: a chain, the loops of a mechanism, or legs.
 
     - ``description``: the whole robot.
     - ``settings``: ends of the chain, group and prefix of frames; see :func:`main_chain`.
-    - ``semantic``: its groups and named postures; default none but ``home``.
-    - ``robot``: the parallel robot whose tree the description is.
-    - ``legged``: the walking machine whose tree it is.
-    - ``mechanism``: the loops of the parallel robot.
+    - ``semantic``: groups and named postures of the robot; by default only ``home``.
+    - ``robot``: the parallel robot; None for other robots.
+    - ``legged``: the walking machine; None for other robots.
+    - ``mechanism``: the mechanism of the parallel robot, with its loops.
 
     Raises ParameterError: the prefix begins with a slash, which tf does not allow. BadValueError:
     ends or a group that a parallel robot or a walking machine does not have.
@@ -125,8 +125,8 @@ class RobotModel:
         self.robot = robot
         self.mechanism = mechanism = None if robot is None else robot.mechanism
         self.legged = legged
-        #: From base to tip; of a parallel robot the first limb, which carries the platform, of a
-        #: walking machine the first leg.
+        #: Chain from base to tip: for a parallel robot the first limb, which ends at the platform;
+        #: for a walking machine the first leg.
         self.chain: SerialChain
         #: Names and limits of the joints that trajectories move: those of the chain, the drives of
         #: a parallel robot, or the joints of all legs.
@@ -203,9 +203,8 @@ class RobotModel:
 
         Without the name of a group, and where none are given, it begins at the configured base.
 
-        Raises BadValueError: there is no such group, and those there are are listed; or it does not
-        move the link. UnknownLinkError, RobotDescriptionError: there is no such link, or no chain
-        to it.
+        Raises BadValueError: there is no such group (the text lists all), or it does not move the
+        link. UnknownLinkError, RobotDescriptionError: there is no such link, or no chain to it.
         """
         if group and group not in self.groups:
             if group in self.semantic.left_out:

@@ -53,19 +53,19 @@ def on_ground(positions: Array) -> Array:
 
 
 class MobileRobotView(TreeView):
-    """A robot that goes on in periods; not for several threads at a time.
+    """A mobile robot that moves in time steps; not for several threads at a time.
 
     - ``trail``: past positions.
-    - ``command``: the twist [w, vx, vy] that it is to have (rad/s, m/s), shape (3,).
+    - ``command``: commanded twist [w, vx, vy] (rad/s, m/s), shape (3,).
     """
 
-    #: Drive, or walk.
+    #: What the robot does: "drive" or "walk".
     verb: ClassVar[str]
-    #: s.
+    #: Length of a time step (s).
     period: float
-    #: Greatest velocities that sliders ask for (rad/s, m/s), shape (3,); 0 for none.
+    #: Greatest twist of the sliders (rad/s, m/s), shape (3,); 0 for a component without a slider.
     most: Array
-    #: Number of the slider that moved it last, which is not set back meanwhile.
+    #: Index of the slider that moved the robot last; the page does not write to that slider.
     moved_joint: int | None = None
 
     def __init__(

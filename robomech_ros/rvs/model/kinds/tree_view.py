@@ -19,8 +19,8 @@ class TreeView(DraggableRobot):
 
     What takes part of a kind overrides ``dragged``.
 
-    - ``travels``: between what each slider moves its joint (rad or m).
-    - ``end``: the link that is dragged, in the root.
+    - ``travels``: range of the slider of each joint (rad or m).
+    - ``end``: the link that is dragged; its poses refer to the root.
     """
 
     def __init__(
@@ -93,7 +93,7 @@ class TreeView(DraggableRobot):
     def drag(self, T: ArrayLike) -> None:
         """Bring the link to a pose (4, 4), as far as it can, in the root (m).
 
-        Raises RobomechError: it is no pose, or the robot cannot take it: it stays.
+        Raises RobomechError: the matrix is not a pose, or the robot cannot take it and stays.
         """
         self.place(self.dragged(as_pose(T)))
 

@@ -1,4 +1,4 @@
-"""Motions of all joints of a parallel robot that its drives cause."""
+"""Motions of all joints of a parallel robot from motions of its drives."""
 
 from robomech_ros.parallel import Mechanism, follow_drives
 from robomech_ros.rvs.motion import Motion
@@ -13,15 +13,13 @@ def followed_motion(
     accelerations: Array | None,
     start: Array,
 ) -> Motion:
-    """Return the motion of all joints that a motion of the drives causes.
+    """Compute the motion of all joints from a motion of the drives, as far as they can follow it.
 
-    - ``mechanism``: of n joints and d drives.
-    - ``times``: s, shape (m,).
-    - ``drives``, ``rates``, ``accelerations``: rad or m, and over s and s^2, shape (m, d); the
-      latter two None if they are not known.
-    - ``start``: posture from which the joints follow, rad or m, shape (n,).
-
-    Returns the motion as far as the robot can follow.
+    - ``mechanism``: mechanism of n joints and d drives.
+    - ``times``: times (s), shape (m,).
+    - ``drives``: positions of the drives (rad or m), shape (m, d).
+    - ``rates``, ``accelerations``: their derivatives, shape (m, d); None if unknown.
+    - ``start``: posture in which the motion begins (rad or m), shape (n,).
     """
     q = follow_drives(mechanism, drives, start).q
     k, qd, qdd = len(q), None, None

@@ -16,23 +16,23 @@ from robomech_ros.trajectory import PROFILES, nearest_turns, point_to_point
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory
 from robomech_ros.typing import Array
 
-# Ways from posture to posture: all joints or drives together, or the tip or platform along a line.
+# Kinds of paths: all joints or drives move together, or the tip or platform moves along a line.
 JOINTS, LINE = "joints", "line of the tip"
 PATH_KINDS = (JOINTS, LINE)
 # A curve is drawn by so many samples, and one at either side of each of its breaks (s).
 SAMPLES, BESIDE_BREAKS = 200, 1e-7
-# Another posture than the goal begins at this distance (rad or m).
+# A posture farther from the goal than this (rad or m) is another posture.
 SAME = 1e-4
 
 
 class MadePlan(NamedTuple):
-    """A plan, and what is to be said of it."""
+    """A plan and a sentence about it."""
 
-    #: None where there is none.
+    #: The planned motion; None if there is none.
     motion: Motion | None
-    #: How long it is, or why it ends early or is not there.
+    #: Sentence on the duration, or on why the motion ends early or is missing.
     sentence: str
-    #: Whether it ends at the goal.
+    #: Whether the motion ends at the goal.
     complete: bool
 
 
@@ -41,14 +41,14 @@ def plan_between(
 ) -> MadePlan:
     """Plan a motion from rest to rest; of a parallel robot, in one assembly mode.
 
-    - ``robot``: of n joints, within whose limits to move.
+    - ``robot``: robot of n joints with their limits.
     - ``start``, ``goal``: postures (rad or m), loops closed, shape (n,); along a line the pose of
       the goal counts, otherwise its joints or drives.
     - ``kind``: one of ``PATH_KINDS``.
     - ``profile``: one of :data:`robomech_ros.trajectory.PROFILES`; not each of them suits a line.
 
-    Raises BadValueError: an unknown way or profile, or the start is the goal. RobomechError: as for
-    the planners: limits are missing, a posture is outside them.
+    Raises BadValueError: the kind or profile is unknown, or the start is the goal. RobomechError:
+    limits are missing, or a posture is outside them.
     """
     as_choice("way", kind, PATH_KINDS)
     if kind == LINE:
@@ -111,12 +111,12 @@ def _of_goal(text: str) -> str:
 
 
 def sample_times(trajectory: PiecewiseTrajectory) -> Array:
-    """Return times (k,) in s at which steps of the derivatives of a plan are seen as steps."""
+    """Return times (k,) of samples (s), dense enough to draw jumps of derivatives as jumps."""
     end = trajectory.duration
     inner = trajectory.pieces.breaks[1:-1]
     instants = [np.linspace(0.0, end, SAMPLES + 1), inner - BESIDE_BREAKS, inner + BESIDE_BREAKS]
     times = np.unique(np.concatenate(instants))
-    # Nearer to the ends, and to each other, samples differ by their rounding alone.
+    # Samples nearer to each other would differ only by rounding.
     times = times[(times >= 0.0) & (times <= end)]
     keep = np.append(True, np.diff(times) > 0.5 * BESIDE_BREAKS)
     return np.asarray(times[keep])
@@ -129,7 +129,7 @@ def _made(
     goal: Array | None,
     sentence: str,
 ) -> MadePlan:
-    """Return the plan of a trajectory; the goal is None if it ends before."""
+    """Return the plan of a trajectory; the goal is None if the trajectory ends before it."""
     times = sample_times(trajectory)
     q, qd, qdd, qddd = trajectory.sample(times)
     if isinstance(robot, SerialChain):

@@ -10,12 +10,12 @@ SLOWEST, FASTEST = 0.1, 10.0
 
 
 class Player:
-    """A place in a motion that goes on while it plays.
+    """Time within a motion, which advances while the motion plays.
 
-    - ``duration``: of the motion (s).
-    - ``time``: since its beginning (s).
-    - ``speed``: times that of the motion.
-    - ``loop``: whether it begins again at its end.
+    - ``duration``: duration of the motion (s).
+    - ``time``: present time since its beginning (s).
+    - ``speed``: multiple of the speed of the motion.
+    - ``loop``: whether the motion begins again at its end.
     """
 
     def __init__(self) -> None:

@@ -60,8 +60,8 @@ def rod_poses(starts: Array, ends: Array) -> tuple[Array, Array]:
 class PlatformGhosts:
     """The pieces of a parallel robot, for as many postures as there are.
 
-    - ``reach``: of the robot as it is seen (m).
-    - ``slimness``: what is seen at one place together differs in it: the slimmer is inside.
+    - ``reach``: size of the drawn robot (m).
+    - ``slimness``: relative radius; of ghosts at the same place, the slimmer is inside the other.
     """
 
     def __init__(self, mechanism: Mechanism, reach: float, slimness: float = 1.0) -> None:

@@ -24,13 +24,13 @@ ANGULAR = 3
 
 @dataclass(frozen=True, eq=False)
 class PlatformList:
-    """Postures to be listed, and seen as ghosts."""
+    """Postures that the page lists and draws as ghosts."""
 
     #: Postures of all joints; the present one is among them.
     postures: tuple[Posture, ...]
-    #: Whether these are provably all.
+    #: Whether the list is provably complete.
     complete: bool
-    #: How many there are, for people.
+    #: Sentence on the number of postures.
     text: str
 
 
@@ -39,9 +39,9 @@ def platform_list(
 ) -> PlatformList:
     """Find the assembly modes of a robot, or all branches of its limbs.
 
-    - ``q``: where its joints are (rad or m), loops closed, shape (n,).
+    - ``q``: present posture with closed loops (rad or m), shape (n,).
     - ``kind``: one of :data:`LISTS`.
-    - ``before``: what was found a moment ago: each keeps its number.
+    - ``before``: the list of a moment ago, whose postures keep their numbers.
     """
     mechanism = robot.mechanism
     if kind == LISTS[0]:
@@ -114,7 +114,7 @@ class PlatformFacts:
     #: Twist of the platform, angular first, at its origin in the base (rad/s, m/s), that the drives
     #: hold least, shape (6,).
     weakest: Array
-    #: Whether the platform both turns and moves along.
+    #: Whether the platform can both rotate and translate.
     mixed: bool
 
     @property

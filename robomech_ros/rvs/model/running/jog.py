@@ -35,13 +35,13 @@ _HOLD = re.compile(r"(joint|linear|angular) ([0-9]{1,3}) ([+-]) ([0-9]{1,16}) ([
 
 @dataclass(frozen=True)
 class JogDirection:
-    """One way to jog."""
+    """A joint, or an axis of the tip, and the sign of its motion."""
 
-    #: A joint, or the tip along or about an axis, one of "joint", "linear", "angular".
+    #: One of "joint", "linear" (the tip along an axis), "angular" (the tip about an axis).
     kind: str
     #: Index of the joint, or of the axis, from 0.
     index: int
-    #: 1 or -1.
+    #: Sign of the motion, 1 or -1.
     sign: int
 
 
@@ -49,9 +49,9 @@ class HoldHeartbeat(NamedTuple):
     """Message that a page repeats while a button is pressed."""
 
     direction: JogDirection
-    #: The same as long as the button is held.
+    #: Number of the press, the same for as long as the button is held.
     press: int
-    #: How long it had been held (s) when the page said so.
+    #: Time for which the button had been held (s) when the page sent the message.
     age: float
 
 
@@ -59,7 +59,7 @@ def read_beat(text: str, joints: int) -> HoldHeartbeat:
     """Read what a page says while a button is held.
 
     - ``text``: direction, number of the press and its age (ms): ``"joint 2 + 1712 500"``.
-    - ``joints``: how many there are.
+    - ``joints``: number of joints.
     """
     found = _HOLD.fullmatch(text)
     if found is None:
@@ -78,9 +78,9 @@ class JogSwitch(Generic[Held]):
 
     A press that has ended, for whatever reason, stays ended; see above for what ends it.
 
-    - ``silence``: after so long (s) without a word, or with a word that took so much longer than
-      another one of the press, it is off.
-    - ``clock``: gives the time (s).
+    - ``silence``: longest time without a message (s), and largest delay of a message against the
+      fastest one of the press (s); beyond either, the switch is off.
+    - ``clock``: returns the time (s).
     """
 
     def __init__(self, silence: float, clock: Callable[[], float]) -> None:
@@ -95,9 +95,9 @@ class JogSwitch(Generic[Held]):
     def hold(self, what: Held, press: int, age: float) -> None:
         """Go on with a press, or begin one.
 
-        - ``what``: what is held.
-        - ``press``: its number.
-        - ``age``: how long it had been held (s) when this was said.
+        - ``what``: the held command.
+        - ``press``: number of the press.
+        - ``age``: time for which it had been held (s) when the message was sent.
         """
         with self._change:
             self._end_if_silent()

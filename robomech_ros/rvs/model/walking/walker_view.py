@@ -28,9 +28,9 @@ ROOM, GIZMO = 4.0, 2.0
 class WalkerView(MobileRobotView):
     """A walking machine with its present posture and place; not for several threads at a time.
 
-    - ``height``: of the trunk that is level (m).
+    - ``height``: height of the level trunk (m).
     - ``gaits``: names of the gaits that it can walk in.
-    - ``chosen_gait``: name of the gait that was chosen last, which it takes up once it stands.
+    - ``chosen_gait``: name of the gait that was chosen last; it begins once the machine stands.
 
     Raises MissingLimitsError: a joint has no limit of velocity. RobotDescriptionError: one of its
     links or joints has the name of one that places it.
@@ -100,9 +100,9 @@ class WalkerView(MobileRobotView):
     def drag(self, T: ArrayLike) -> None:
         """Bring the trunk to a pose (4, 4), over the feet that stand (m).
 
-        Where a leg cannot follow it stays, and the sentence says which.
+        If a leg cannot follow, the trunk stays, and the sentence names the leg.
 
-        Raises RobomechError: it is no pose.
+        Raises RobomechError: the matrix is not a pose.
         """
         self.moved_joint = None
         place = placing(self._update.base, as_pose(T), self.height)

@@ -14,13 +14,13 @@ SLOWEST, AT_FIRST = 0.05, 0.5
 class HoldField:
     """A slider of the speed, and a hidden text field that a pad of buttons writes into.
 
-    - ``joints``: how many joints there are buttons for.
-    - ``hold``: goes on with a HoldHeartbeat at a part of the greatest jogging speed; raises a
-      BadValueError where that cannot be.
-    - ``let_go``: ends what is held.
-    - ``refuse``: says why something is refused.
-    - ``handle``: of the field, viser.GuiInputHandle.
-    - ``gone``: whether the browser commands no more; changed while nothing is held.
+    - ``joints``: number of joints with buttons.
+    - ``hold``: called with a HoldHeartbeat and a fraction of the greatest jogging speed; raises a
+      BadValueError if that motion is impossible.
+    - ``let_go``: ends the press.
+    - ``refuse``: shows why a press is refused.
+    - ``handle``: handle of the field, viser.GuiInputHandle.
+    - ``gone``: whether the browser no longer commands; changed only while nothing is held.
     """
 
     def __init__(

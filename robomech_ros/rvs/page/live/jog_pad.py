@@ -55,8 +55,8 @@ def jog_pad(field: str, joints: Sequence[str]) -> str:
 def hold_pad(field: str, columns: Sequence[Sequence[tuple[str, str, int]]]) -> str:
     """Write columns of buttons that are held, two a row, as HTML.
 
-    - ``field``: identifier of the text field that they write into, which is not seen.
-    - ``columns``: of each row what it is called, and kind and number of what is jogged.
+    - ``field``: identifier of the hidden text field that the buttons write into.
+    - ``columns``: rows of each column: label, kind of jog, and index of the joint or axis.
     """
     script = _PRESS.replace("FIELD", field).replace("PERIOD", str(round(1000 * BEAT)))
     hidden = (

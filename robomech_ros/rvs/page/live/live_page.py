@@ -14,7 +14,7 @@ from robomech_ros.rvs.page.tables import STYLE, WARN
 class LivePage(Layer):
     """Common part of the pages of all running robots.
 
-    - ``robot``: ``begin`` is to be called at the end of the construction.
+    - ``robot``: the running robot; subclasses call its ``begin`` when they are constructed.
     - ``lines``: names of messages beside "state", "jog" and "result".
     """
 
