@@ -162,9 +162,9 @@ def checked_following(
 ) -> PathFollowingResult:
     """End a joint path that follows a pose path at the first bound, and say why.
 
-    - ``robot``: of n joints.
-    - ``start``: joint values (rad or m), shape (n,).
-    - ``tracking``: joint path from there.
+    - ``robot``: model of a robot with n joints.
+    - ``start``: joint values at the start (rad or m), shape (n,).
+    - ``tracking``: joint path from the start.
     """
     tracking = _cut(tracking, robot, bounds)
     if tracking.status is PathTrackingStatus.COMPLETE:

@@ -26,11 +26,11 @@ SAFE_DOMAIN = 101
 class Finding(NamedTuple):
     """The result of one check."""
 
-    #: The thing.
+    #: Name of the checked thing.
     what: str
-    #: Whether it is as needed; None where it is optional and not there.
+    #: Whether it meets the requirement; None if it is optional and missing.
     ok: bool | None
-    #: Finding, for people.
+    #: The finding as text.
     found: str
     #: Command or advice; empty if nothing needs mending.
     mend: str = ""

@@ -14,9 +14,9 @@ KEPT = 3
 
 
 def compiled(cache: Path) -> set[str]:
-    """Return the digests of the modules whose kernels were all compiled once, and are still kept.
+    """Return the digests of the modules whose compiled kernels are all in the cache.
 
-    - ``cache``: where kernels are kept.
+    - ``cache``: folder of the kernels.
     """
     with contextlib.suppress(OSError):
         return {digest for note in (cache / _USERS).iterdir() for digest in _listed(_states(note))}
@@ -26,16 +26,16 @@ def compiled(cache: Path) -> set[str]:
 def prune(cache: Path, installation: Path, digests: Iterable[str]) -> list[Path]:
     """Remove the kernels of earlier versions of the sources, except the latest.
 
-    All installations share a cache, whatever state their sources are in. Each has a note there
-    with the digests of its modules, a line for every state, and what a note names stays. So does
-    what none ever named, of an installation whose nodes compile their kernels themselves. A
+    All installations share a cache, with different states of their sources. Each has a note there
+    with one line of digests of its modules for every state. Kernels that a note names stay. So do
+    kernels that no note ever named: nodes of an installation without a note compile their own. A
     process that runs an earlier state has its kernels in memory.
 
-    - ``cache``: where kernels are kept.
-    - ``installation``: where the sources are installed.
-    - ``digests``: those of the modules as they are, whose kernels are in the cache.
+    - ``cache``: folder of the kernels.
+    - ``installation``: folder of the installed sources.
+    - ``digests``: digests of the present modules, whose kernels are in the cache.
 
-    Returns the files that were removed.
+    Returns the removed files.
     """
     note = cache / _USERS / hashlib.sha256(str(installation).encode()).hexdigest()[:16]
     state = " ".join(sorted(digests))

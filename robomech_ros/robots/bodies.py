@@ -149,14 +149,14 @@ def combine_bodies(bodies: Iterable[Body]) -> Body | None:
 def lump_bodies(
     bodies: Sequence[Body | None], packed: Array, rest: Array, count: int
 ) -> tuple[Body | None, ...]:
-    """Let the first joints of a chain carry along what is beyond them, standing where it rests.
+    """Join the bodies beyond the first joints of a chain, at rest, to the body of the last one kept.
 
-    - ``bodies``: what moves with each of n joints, in its frame.
+    - ``bodies``: body that moves with each of n joints, in its frame.
     - ``packed``: the chain, shape (n + 1, 13).
-    - ``rest``: where its joints rest (rad or m), shape (n,).
-    - ``count``: how many joints there still are.
+    - ``rest``: rest positions of the joints (rad or m), shape (n,).
+    - ``count``: number of joints that remain.
 
-    Returns what moves with each of them; where there are none, nothing is kept.
+    Returns the body that moves with each remaining joint; empty if none remains.
     """
     kept, constants = list(bodies), unpack_chain(packed)
     for i in range(len(kept) - 1, max(count, 1) - 1, -1):

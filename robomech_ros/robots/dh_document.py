@@ -16,11 +16,11 @@ from robomech_ros.typing import Array
 def dh_document(chain: SerialChain, table: DHTable, source: str) -> str:
     """Write a table with the names, limits and home of a chain; its bodies and drives are left out.
 
-    - ``chain``: of n joints.
-    - ``table``: of n joints of the same types.
-    - ``source``: where the numbers come from.
+    - ``chain``: chain of n joints.
+    - ``table``: table of n joints of the same types.
+    - ``source``: source of the numbers, for the document.
 
-    Returns text that :func:`load_robot` reads, numbers to the last bit.
+    Returns text that :func:`load_robot` reads without loss of any digit.
     """
     links = [f"link_{k + 1}" for k in range(chain.n)]
     document: dict[str, Any] = {

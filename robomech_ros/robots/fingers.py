@@ -80,7 +80,7 @@ class FingerOpening:
     """
 
     description: RobotDescription  #: The robot.
-    #: What opens the gripper: joints with limits, which all stand at the same position.
+    #: Joints that open the gripper; they have limits, and all are at the same position.
     joints: tuple[Joint, ...]
     links: tuple[str, ...]  #: A link of each finger.
 

@@ -56,10 +56,10 @@ class GripperModel:
 
 
 def commanded_fingers(joints: Sequence[Joint], name: str = "") -> tuple[Joint, ...]:
-    """Return the finger joints that a command moves which names none.
+    """Return the finger joints that a command without the name of a joint moves.
 
-    - ``joints``: of the gripper.
-    - ``name``: the one that is chosen; by default the only one, or both of two slides.
+    - ``joints``: all joints of the gripper.
+    - ``name``: name of the joint to choose; by default the only joint, or both of two slides.
 
     Raises UnknownJointError: the gripper has no joint of this name.
     """

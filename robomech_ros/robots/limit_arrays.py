@@ -88,7 +88,7 @@ def check_limits(joint_names: tuple[str, ...], limits: Mapping[str, Array]) -> N
     """Refuse limits that no joint can keep.
 
     - ``joint_names``: n joints.
-    - ``limits``: of the six kinds to arrays of shape (n,).
+    - ``limits``: arrays (n,) by the six kinds of limits.
     """
     for key in ("lower", "upper"):
         if np.isnan(limits[key]).any():

@@ -23,11 +23,11 @@ class Scene(Protocol):
 def without_contacts(
     result: InverseKinematicsResult, scene: Scene, most: int | None
 ) -> InverseKinematicsResult:
-    """Leave out solutions in contact, and say how many, or of which bodies.
+    """Leave out solutions in contact, and say how many, or which bodies touch.
 
-    - ``result``: with all solutions.
-    - ``scene``: of the same joints.
-    - ``most``: keep at most so many.
+    - ``result``: result with all solutions.
+    - ``scene``: planning scene of a chain with the same joints.
+    - ``most``: largest number of solutions to keep; None for all.
     """
     if not hasattr(scene, "clearance") or not hasattr(scene, "chain"):
         raise BadValueError("scene", scene, "a PlanningScene")

@@ -38,7 +38,7 @@ class ResultBroadcaster:
 
     def __init__(self, node: Node, listener: FrameListener) -> None:
         self._clock, self._listener = node.get_clock(), listener
-        #: What tf was told last; None if nothing.
+        #: The transform published on tf last; None if none was.
         self.placed: PublishedFrame | None = None
         self._publisher: Any = None
         if not listener.missing:

@@ -66,7 +66,7 @@ class Samples:
     def __init__(self) -> None:
         self.robot = np.zeros((0, 4, 4))
         self.tracking = np.zeros((0, 4, 4))
-        self.solution: Solution | None = None  #: What was found last.
+        self.solution: Solution | None = None  #: The latest solution.
 
     def __len__(self) -> int:
         return len(self.robot)

@@ -75,10 +75,10 @@ class ParameterRow:
     - ``low``, ``high``: allowed range, ends included.
     """
 
-    name: str  #: Of the parameter.
+    name: str  #: Name of the parameter.
     kind: Any  #: bool, int, float, str, ``tuple[float, ...]`` or ``tuple[str, ...]``.
     default: Any  #: Value where none is given.
-    description: str  #: What it means and what empty or zero means.
+    description: str  #: Meaning of the parameter, and of an empty value or zero.
     low: float | None = None
     high: float | None = None
     unit: str = ""  #: Unit, "" for none.

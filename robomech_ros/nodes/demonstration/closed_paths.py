@@ -20,7 +20,7 @@ class ClosedPath:
     """A path that ends where it begins, at the origin along x."""
 
     name: str
-    #: From the beginning, evenly spaced (m), shape (m,).
+    #: Distances along the path from its beginning, evenly spaced (m), shape (m,).
     lengths: Array
     #: x, y (m), shape (m, 2).
     places: Array

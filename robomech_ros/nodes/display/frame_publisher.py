@@ -58,10 +58,10 @@ class FramePublisher:
         self._publisher = node.create_publisher(message, "/tf", _DEPTH)
         self._latched = node.create_publisher(message, "/tf_static", LATCHED)
         self.topic, self.fixed_topic = self._publisher.topic_name, self._latched.topic_name
-        self.turns = 0  #: How many times frames were due so far.
+        self.turns = 0  #: Number of times that frames were due.
         #: The latest messages on /tf: ROS time (ns) and frames.
         self.sent: deque[tuple[int, frozenset[str]]] = deque(maxlen=_SENT)
-        self.at_rest: Any = None  #: What was published on /tf_static last.
+        self.at_rest: Any = None  #: The latest message on /tf_static.
         # Replaced as a whole: frames are published in another thread.
         self._frames: _Moving | None = None
 

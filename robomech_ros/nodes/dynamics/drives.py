@@ -19,9 +19,9 @@ class Drives:
     """
 
     def __init__(self, model: RobotModel, joints: JointPositions) -> None:
-        self.system: DynamicSystem  #: What is asked for its dynamics, without a payload.
+        self.system: DynamicSystem  #: The system that computes the dynamics, without a payload.
         if model.mechanism is None:
-            self.linkage: Linkage = model.chain  #: What states are read for.
+            self.linkage: Linkage = model.chain  #: The joints that states are read for.
             self.system, self.home = ChainDynamics(model.chain), model.chain.midrange()
         else:
             from robomech_ros.parallel import ParallelDynamics

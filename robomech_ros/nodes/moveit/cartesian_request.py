@@ -42,7 +42,7 @@ class CartesianQuestion:
     relative_jump: float
     revolute_jump: float
     prismatic_jump: float
-    conditions: Conditions  #: What must hold all along the path.
+    conditions: Conditions  #: Conditions that hold along the whole path.
     velocity_scale: float
     acceleration_scale: float
     limited: SerialChain  #: Chain to the link with limited speed.

@@ -15,7 +15,7 @@ from robomech_ros.rolling import rolling_robot
 class NodesOfKind:
     """Nodes for robots of one kind."""
 
-    called: str  #: What such a robot is, for people.
+    called: str  #: Name of the kind, for messages.
     nodes: tuple[str, ...]  #: Names of its nodes, in the order in which they are started.
     #: Loads a robot by name or path, and raises a ``RobomechError`` where that cannot be.
     load: Callable[[str], object]

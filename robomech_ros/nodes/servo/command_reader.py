@@ -39,11 +39,11 @@ class CommandReader:
     """
 
     model: RobotModel
-    frames: RobotFrames  #: Find the frames that commands name.
-    monitor: JointStateMonitor  #: Knows where the joints are that move frames.
-    clock: MotionClock  #: Its time decides what is stale.
-    settings: Callable[[], ServoNodeSettings]  #: Gives the parameters as they are now.
-    ahead: Callable[[], float]  #: Gives how far ahead of its time the stream is sent (s).
+    frames: RobotFrames  #: Finds the frames that commands name.
+    monitor: JointStateMonitor  #: Knows the joints that move frames.
+    clock: MotionClock  #: The clock that decides which commands are stale.
+    settings: Callable[[], ServoNodeSettings]  #: Returns the present parameters.
+    ahead: Callable[[], float]  #: Returns the lead of the stream (s).
 
     def twist(self, message: TwistStamped) -> TwistCommand:
         """Read a twist of the tip's origin, in the axes of the frame of its header."""

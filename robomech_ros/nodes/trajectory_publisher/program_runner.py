@@ -41,7 +41,7 @@ class ProgramRunner:
         transport: Transport,
         limits: tuple[int, float],
     ) -> None:
-        self.condition = ""  #: What it is doing, or how the last program ended.
+        self.condition = ""  #: State of the program, or how the last one ended.
         self._node, self._clock, self._offer, self._transport = node, clock, offer, transport
         self._max_points, self._max_duration = limits
         self._preparing = False

@@ -34,7 +34,7 @@ def _plain(text: str) -> str:
 def finite_number(text: str) -> float:
     """Read a number that is neither infinite nor NaN.
 
-    Raises ValueError: the text is none.
+    Raises ValueError: the text is not such a number.
     """
     value = number(text)
     if not math.isfinite(value):

@@ -170,8 +170,8 @@ class States:
 def read_states(root: XmlElement, names: SrdfNames, groups: dict[str, Group]) -> States:
     """Read all states; those without a name or of no group are noted and left out.
 
-    - ``root``: of the document.
-    - ``names``: gets the notes.
+    - ``root``: root element of the document.
+    - ``names``: receives the notes.
     """
     states = States({name: {} for name in groups})
     mobile_robots = {

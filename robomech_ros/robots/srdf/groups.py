@@ -12,12 +12,12 @@ _MOST_MEMBERS = 1_000_000
 
 
 def read_groups(root: XmlElement, names: SrdfNames) -> tuple[dict[str, Group], dict[str, str]]:
-    """Read all groups; members that there are not are noted and passed over, as in MoveIt.
+    """Read all groups; unknown members are noted and left out, as in MoveIt.
 
-    - ``root``: of the document.
-    - ``names``: gets the notes.
+    - ``root``: root element of the document.
+    - ``names``: receives the notes.
 
-    Returns the groups, and why a group is none by its name: it has no member that there is.
+    Returns the groups, and by name why a group is left out: it has no known member.
     """
     elements: dict[str, XmlElement] = {}
     for element in root.all("group"):

@@ -18,21 +18,21 @@ _MOST_NOTES = 200
 class SrdfNames:
     """Joints and links that a document may name.
 
-    - ``root``: of the document.
-    - ``where``: what the document is called in messages.
+    - ``root``: root element of the document.
+    - ``where``: name of the document in messages.
     """
 
     def __init__(self, root: XmlElement, where: str, robot: RobotDescription) -> None:
         self.where = where
         self.robot = robot
-        self.joints = {joint.name: joint for joint in robot.joints}  #: Those of the robot.
-        #: The joint above each link but the root.
+        self.joints = {joint.name: joint for joint in robot.joints}  #: Joints of the robot by name.
+        #: The joint above each link, except the root.
         self.to_parent = {joint.child: joint for joint in robot.joints}
         virtual = [one.attributes.get("name", "") for one in root.all("virtual_joint")]
-        #: All joints, the virtual ones of the document included, in the order of messages.
+        #: All joints, with the virtual ones of the document, in the order of messages.
         self.all_joints = dict.fromkeys([*self.joints, *virtual])
-        self.links = dict.fromkeys(robot.links)  #: Those of the robot.
-        self.notes: list[str] = []  #: What a user should know and is no error.
+        self.links = dict.fromkeys(robot.links)  #: Links of the robot.
+        self.notes: list[str] = []  #: Remarks for the user that are not errors.
 
     def place(self, element: XmlElement) -> str:
         """Say where an element is."""

@@ -22,11 +22,12 @@ def mesh_file(filename: str, folder: Path | None, *, anywhere: bool = False) -> 
     """Find the file that a URDF names.
 
     - ``filename``: ``package://name/...``, ``file:///...`` or a path.
-    - ``folder``: that of the URDF, where it came from a file.
-    - ``anywhere``: whether ``file://`` may lead out of the packages and that folder: not for what a
-      browser gets to see.
+    - ``folder``: folder of the URDF; None if it did not come from a file.
+    - ``anywhere``: whether ``file://`` may lead out of the packages and that folder. Keep it False
+      for meshes that a browser gets.
 
-    Raises MeshError: there is none, or the name leads out of its package and the URDF's folder.
+    Raises MeshError: there is no such file, or the name leads out of its package and the folder of
+    the URDF.
     """
     if not filename or "\0" in filename:
         raise MeshError(filename, "has no name")

@@ -13,7 +13,7 @@ def with_mesh_urls(text: str, folder: Path) -> str:
     """Return a URDF in which paths of mesh files are URLs, file:///...; other URLs stay.
 
     - ``text``: the document.
-    - ``folder``: where its relative paths begin. A path at which there is no file stays, too.
+    - ``folder``: folder of its relative paths. A path to a missing file stays as it is, too.
     """
     data = text.encode()
     parts, at = list[bytes](), 0

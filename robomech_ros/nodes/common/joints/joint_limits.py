@@ -76,7 +76,7 @@ class NoLimitsForPlanError(MissingLimitsError):
 class JointLimitsFile:
     """A file with joint limits."""
 
-    where: str  #: Its path.
+    where: str  #: Path of the file.
     text: bytes  #: The bytes of the file.
     document: Mapping[str, Any]  #: The parsed content.
 

@@ -20,7 +20,7 @@ class AskedTolerances:
 
     path: float = 0.0
     goal: float = 0.0
-    goal_time: float = 0.0  #: How long after its end a trajectory may still reach its goal, s.
+    goal_time: float = 0.0  #: Time after its end by which a trajectory must reach its goal (s).
 
 
 class ExecuteGoals:

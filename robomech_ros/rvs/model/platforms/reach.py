@@ -43,7 +43,7 @@ class PlatformReach:
     shares: dict[str, float]
     least: float
     greatest: float
-    #: Whether it is turned: each turn is drawn along its axis from the platform.
+    #: Whether the platform is turned; each turn is drawn along its axis, from the platform.
     turns: bool = False
 
     @property
