@@ -16,9 +16,8 @@ class OptionRefusedError(RobomechError):
 def note_kinds(parser: argparse.ArgumentParser, refused: Mapping[str, Iterable[str]]) -> None:
     """Say in the help of options for which kinds of robots they are.
 
-    - ``parser``: with all its options.
-    - ``refused``: for each kind but arms, by what several such robots are called, the options
-      without use.
+    - ``parser``: parser with all its options.
+    - ``refused``: options without use for a kind, by the plural name of the kind; not for arms.
     """
     for action in parser._actions:
         others = [called for called, names in refused.items() if action.dest in {*names}]
@@ -38,10 +37,10 @@ def refuse_options(
 ) -> None:
     """Refuse options that robots of a kind have no use for.
 
-    - ``args``: what was given.
-    - ``refused``: names of the options in it.
-    - ``robot``: as it was given.
-    - ``called``: what such a robot is, with its article.
+    - ``args``: the parsed arguments.
+    - ``refused``: names of the options that robots of this kind have no use for.
+    - ``robot``: name or path of the robot, as it was given.
+    - ``called``: name of the kind, with its article.
     - ``unused``: options that change nothing for such robots, and are not refused.
 
     Raises OptionRefusedError: it names the option, the kind, and the options that apply.

@@ -149,7 +149,7 @@ def combine_bodies(bodies: Iterable[Body]) -> Body | None:
 def lump_bodies(
     bodies: Sequence[Body | None], packed: Array, rest: Array, count: int
 ) -> tuple[Body | None, ...]:
-    """Join the bodies beyond the first joints of a chain, at rest, to the body of the last one kept.
+    """Join bodies beyond the first joints of a chain, at rest, to the body of the last joint kept.
 
     - ``bodies``: body that moves with each of n joints, in its frame.
     - ``packed``: the chain, shape (n + 1, 13).

@@ -66,13 +66,13 @@ def check_name(robot: object, kinds: Iterable[str]) -> None:
 
 
 def source_of(kind: str, robot: object) -> tuple[str | bytes, str]:
-    """Return the text of a document of a kind, and what it is called.
+    """Return the text of a document of a kind, and its name for messages.
 
     - ``kind``: one of ``KINDS``.
     - ``robot``: a name, the path of a file, or the text.
 
-    Raises BadValueError, UnknownRobotError, RobotDescriptionError: None of these, a name that is
-    not known, or a file that cannot be read.
+    Raises BadValueError: ``robot`` is none of these. UnknownRobotError: the name is unknown.
+    RobotDescriptionError: the file cannot be read.
     """
     return document_source(robot, partial(documents_of, kind), LARGEST_YAML)
 
@@ -84,7 +84,7 @@ def checked_document(
 
     - ``kind``: one of ``KINDS``.
     - ``text``: YAML.
-    - ``where``: what it is called in messages.
+    - ``where``: name of the document in messages.
     - ``needed``, ``optional``: its other keys; ``notes`` are always allowed.
     """
     head = ("kind", "name", "source")

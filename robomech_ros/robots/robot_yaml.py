@@ -78,7 +78,7 @@ def description_from_yaml(text: str | bytes, where: str = "YAML") -> RobotDescri
     """Read a robot from the YAML form of a Denavit-Hartenberg table.
 
     - ``text``: the document.
-    - ``where``: what it is called in messages.
+    - ``where``: name of the document in messages.
 
     Raises RobotDescriptionError: keys are unknown or missing, or a value is not what it should be:
     the place in the document, the value and what is allowed are named.
@@ -202,7 +202,7 @@ def with_yaml_limits(
 
     - ``description``: from the URDF.
     - ``text``: the YAML document.
-    - ``where``: what it is called in messages.
+    - ``where``: name of the document in messages.
     """
     optional = ("source", "name", "notes", "joints", "home")
     document = check_keys(parse_yaml(text, where), where, (), optional)

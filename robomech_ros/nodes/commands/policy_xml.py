@@ -26,7 +26,7 @@ _KINDS = (
 class NodeRights:
     """Rights of one node.
 
-    - ``name``, ``namespace``: of the node.
+    - ``name``, ``namespace``: name and namespace of the node.
     """
 
     name: str
@@ -39,8 +39,8 @@ class NodeRights:
 def rights_of(observer: Node, name: str, namespace: str) -> NodeRights:
     """Return the rights that a node of the graph makes use of.
 
-    - ``observer``: who looks; may be the node itself.
-    - ``name``, ``namespace``: of the node.
+    - ``observer``: node that reads the graph; it may be the node itself.
+    - ``name``, ``namespace``: name and namespace of the node.
     """
     at = name, namespace
     found = {
@@ -61,7 +61,7 @@ def rights_of(observer: Node, name: str, namespace: str) -> NodeRights:
 def policy_xml(rights: Iterable[NodeRights], enclave: str) -> str:
     """Write the policy of nodes that share an enclave, for ``ros2 security create_permission``.
 
-    - ``enclave``: its path, such as ``/robomech``.
+    - ``enclave``: path of the enclave, such as ``/robomech``.
     """
     policy = ElementTree.Element("policy", version=_VERSION)
     enclaves = ElementTree.SubElement(policy, "enclaves")

@@ -65,9 +65,10 @@ class RobotFiles(NamedTuple):
 def robot_with_bodies(robot: str, srdf: str, folder: Path, clearance: float) -> RobotFiles:
     """Give a robot without collision elements drums and bars as bodies.
 
-    - ``robot``, ``srdf``: name or path; path or "".
-    - ``folder``: for the URDF that is written, and for an SRDF if drums overlap and none was given.
-    - ``clearance``: what bodies must be farther apart than at the start (m).
+    - ``robot``: name or path of the robot.
+    - ``srdf``: path of its SRDF; may be empty.
+    - ``folder``: folder for the new URDF, and for a new SRDF if drums overlap and none was given.
+    - ``clearance``: least distance that bodies must have at the start (m).
     """
     description = load_description(robot)
     if description.document and read_collisions(description.document, description.where):

@@ -26,15 +26,15 @@ class PathFollower:
 
     Clocks and delays do not matter: a base that hears nothing for a while brakes, and goes on.
 
-    - ``axle``: place (m) and heading (rad) of a fixed axle in the base, shape (3,); None where it
-      goes sideways.
-    - ``path``: from where odometry is zero; a base with a fixed axle looks along it.
-    - ``speed``: on the path (m/s).
-    - ``acceleration``: on the path (m/s^2).
-    - ``radius``: at which the path turns (m).
-    - ``gone``: length of the path that is done (m).
+    - ``axle``: position (m) and heading (rad) of a fixed axle in the base, shape (3,); None for a
+      base that can go sideways.
+    - ``path``: path from the origin of odometry; a base with a fixed axle heads along it.
+    - ``speed``: speed on the path (m/s).
+    - ``acceleration``: acceleration on the path (m/s^2).
+    - ``radius``: radius of the turns of the path (m).
+    - ``gone``: length of the finished part of the path (m).
     - ``off``: greatest distance from the path so far (m).
-    - ``arrived``: whether it is at the end.
+    - ``arrived``: whether the base is at the end of the path.
 
     Raises BadValueError: the fixed axle does not point forward.
     """
@@ -54,7 +54,7 @@ class PathFollower:
     def command(self, time: float, pose: Array) -> Array:
         """Return the twist ``[omega, v_x, v_y]`` (rad/s, m/s) to command now.
 
-        - ``time``: of the odometry (s).
+        - ``time``: time stamp of the odometry (s).
         - ``pose``: x, y (m) and heading (rad) by odometry, shape (3,).
         """
         c, s = math.cos(pose[2]), math.sin(pose[2])

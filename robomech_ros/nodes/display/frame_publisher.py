@@ -37,7 +37,7 @@ class FramePublisher:
 
     - ``description``: the robot; the frame of each joint's child is that of the joint, as in a
       URDF.
-    - ``prefix``: what the names of frames begin with.
+    - ``prefix``: prefix of the names of frames.
     - ``message``: tf2_msgs/TFMessage.
     - ``moving``, ``fixed``: the frames of links that move in the one before them, and of those that
       do not.

@@ -29,8 +29,8 @@ class DescriptionPublisher:
     Two latched publishers would leave it to chance which robot a late subscriber gets.
 
     - ``text``: the document.
-    - ``topic``: where it is published.
-    - ``what``: what it is, for the log.
+    - ``topic``: topic of the document.
+    - ``what``: name of the document for the log.
     """
 
     def __init__(self, node: Node, text: str, topic: str, what: str) -> None:
@@ -67,10 +67,10 @@ class DescriptionPublisher:
 class RobotDisplay:
     """Publishes the description and the frames of a robot, as far as that is wanted and needed.
 
-    Frames are those of the description that is published: in the one of a robot from a table, more
-    links are needed than the table has.
+    The frames are those of the published description.  The description of a robot from a table has
+    more links than the table.
 
-    - ``prefix``: what the names of its frames begin with.
+    - ``prefix``: prefix of the names of its frames.
     - ``frames``: whether frames are published: auto (those that nobody else publishes), always or
       never.
     - ``rate``: how often `publish` is called (Hz).

@@ -174,7 +174,7 @@ class RobotFrames:
         return self._by_tf(known_as, instant)
 
     def _place_of_link(self, link: str) -> FrameAttachment | None:
-        """Find a link of the robot; None for what is none, or has no chain from the base."""
+        """Find a link of the robot; None if it is not a link, or has no chain from the base."""
         fixed = self.model.fixed_frames
         if link in fixed:
             return FrameAttachment(None, fixed[link])

@@ -60,13 +60,13 @@ class FrameTree:
         return {history.last.parent for history in self._histories.values()}
 
     def insert(self, child: str, sample: Sample, now: int, *, static: bool) -> str:
-        """Take in where a frame is in its parent.
+        """Add a pose of a frame in its parent.
 
-        - ``sample``: with any quaternion near unit length; it is made a unit.
-        - ``now``: ROS time (ns).
-        - ``static``: whether it holds for ever.
+        - ``sample``: the pose; a quaternion near unit length is normalised.
+        - ``now``: present ROS time (ns).
+        - ``static``: whether the pose holds at all times.
 
-        Returns why it was passed over; empty if it was not.
+        Returns why the pose was ignored; empty if it was added.
         """
         if fault := self._fault_of(child, sample):
             return fault

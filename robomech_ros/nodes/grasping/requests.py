@@ -119,7 +119,7 @@ class GivenHand:
     """The hand of the node, for requests that name it.
 
     - ``hand``: None where the node has none.
-    - ``frame_prefix``: what the names of its frames begin with.
+    - ``frame_prefix``: prefix of the names of its frames.
     """
 
     def __init__(self, hand: Hand | None, frame_prefix: str) -> None:

@@ -201,13 +201,13 @@ class CommandedJoints:
     ) -> TrajectoryGoal:
         """Execute a trajectory from now on, or from its stamp on.
 
-        - ``trajectory``: from outside.
-        - ``by``: who sent it, for the text of the motion that it replaces.
+        - ``trajectory``: received trajectory, not yet checked.
+        - ``by``: name of the sender, for the text about the motion that it replaces.
         - ``on_end``: called once, with the result.
-        - ``tolerances``: makes the tolerances of the motion from those that hold by default.
-        - ``streamed``: whether it may be one of a stream.
+        - ``tolerances``: returns the tolerances of the motion for the default ones.
+        - ``streamed``: whether the trajectory may belong to a stream.
 
-        Raises RobomechError: it is refused; the present motion goes on.
+        Raises RobomechError: the trajectory is refused; the present motion goes on.
         """
         try:
             waypoints = self._read(trajectory)

@@ -23,9 +23,9 @@ def serve_control(
 ) -> tuple[list[ActionBase], Callable[[], None]]:
     """Serve the action follow_joint_trajectory, and topics and services of the controller's state.
 
-    - ``robot``: what executes.
+    - ``robot``: the robot that executes the goals.
 
-    Returns the server of the action, in a list that is empty where control_msgs is not installed,
+    Returns a list with the server of the action, which is empty if control_msgs is not installed,
     and a callable that publishes controller_state.
     """
     try:
@@ -42,12 +42,12 @@ def serve_control(
 class ControlCycle:
     """Moves the robot, and publishes its states.
 
-    - ``commanded``: what moves, the robot first; they share a lock.
+    - ``commanded``: the commanded joints, those of the robot first; they share a lock.
     - ``model``: the whole robot, with the joints that do not belong to the chain.
-    - ``settings``: which rates there are.
+    - ``settings``: parameters, with the rates.
     - ``publish_control``: publishes controller_state.
-    - ``servers``: get their feedback.
-    - ``on_moved``: called in every cycle when the robot has moved on; the robot's lock is held.
+    - ``servers``: servers of actions, which publish feedback.
+    - ``on_moved``: called in every cycle after the robot has moved; the robot's lock is held.
     """
 
     def __init__(

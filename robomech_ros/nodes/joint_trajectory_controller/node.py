@@ -57,8 +57,8 @@ _STEADY = ClockType.STEADY_TIME
 class Shutdown:
     """Stops the robot and waits until it stands.
 
-    - ``node``: what ends.
-    - ``commanded``: what is to stand; they share a lock.
+    - ``node``: the node that ends.
+    - ``commanded``: the joints to stop; they share a lock.
     """
 
     def __init__(self, node: Node, commanded: Sequence[CommandedJoints]) -> None:

@@ -86,7 +86,7 @@ class World:
         """Add, remove, extend or move an object.
 
         - ``message``: CollisionObject.
-        - ``poses``: where its frame is.
+        - ``poses``: pose of its frame, by name.
         - ``attached``: names of objects that the same scene attaches; a message that removes one
           of them from the world is accepted and changes nothing.
 
@@ -138,7 +138,7 @@ class World:
         """Attach an object to a link, or detach it.
 
         - ``message``: AttachedCollisionObject.
-        - ``poses``: where its frame is, the link, and all links that carry objects.
+        - ``poses``: poses of its frame, of the link, and of all links that carry objects, by name.
 
         Raises RobomechError: a part of the message is invalid, or there is no such object or link.
         """

@@ -60,7 +60,7 @@ async def read_question(request: Any, robot: WholeRobot, settings: Any) -> Carte
     - ``request``: GetCartesianPath.Request.
     - ``settings``: PlannerSettings.
 
-    Raises RejectedError: it cannot be served as it is; the code says by which part of it.
+    Raises RejectedError: the node cannot serve a part of the request; the code says which.
     """
     chain = chain_of(robot.model, request.group_name, request.link_name)
     numbers = _numbers(request)

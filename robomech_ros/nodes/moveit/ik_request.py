@@ -39,7 +39,7 @@ async def read_ik_request(request: Any, robot: WholeRobot, patience: float) -> I
     - ``request``: PositionIKRequest.
     - ``patience``: how long to wait for the present state and for frames (s).
 
-    Raises RejectedError: it cannot be served as it is; the code says by which part of it.
+    Raises RejectedError: the node cannot serve a part of the request; the code says which.
     """
     links, wanted = _links_and_poses(request, len(robot.joint_names))
     chains = [chain_of(robot.model, request.group_name, link) for link in links]

@@ -82,7 +82,7 @@ async def read_motion_request(request: Any, robot: WholeRobot, settings: Any) ->
     - ``request``: MotionPlanRequest.
     - ``settings``: MoveGroupSettings.
 
-    Raises RejectedError: it cannot be served as it is; the code says by which part of it.
+    Raises RejectedError: the node cannot serve a part of the request; the code says which.
     """
     chain = chain_of(robot.model, request.group_name, "")
     _refuse_unserved(request)

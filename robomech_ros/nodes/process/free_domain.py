@@ -27,7 +27,7 @@ def free_domain() -> Iterator[int]:
     and the operating system frees it however the process ends.  Ports of Fast DDS that killed
     processes left in the domain are removed.
 
-    Raises NoFreeDomainError: there is none left.
+    Raises NoFreeDomainError: no domain is free.
     """
     first = os.getpid() % len(_DOMAINS)
     for number in (*_DOMAINS[first:], *_DOMAINS[:first]):

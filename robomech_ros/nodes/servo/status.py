@@ -41,7 +41,7 @@ def status_topic(node: Node, servo: str = "~") -> str:
 class StatusPublisher:
     """Publishes the status of a servo.
 
-    - ``refusal``: gives why a command was refused just before a time (s); empty if none was.
+    - ``refusal``: returns why a command was refused just before a time (s); empty if none was.
     """
 
     def __init__(self, node: Node, refusal: Callable[[float], str]) -> None:

@@ -21,11 +21,11 @@ _SLOWEST = 1e-6
 
 
 class SpeedServices:
-    """Lets clients say how fast trajectories are executed, and whether at all.
+    """Services that set the speed of trajectories, and that stop them.
 
-    - ``loop``: what executes.
-    - ``cancel_program``: ends the program that runs, for a reason; returns whether one did.
-    - ``give_up_requests``: gives up the requests that wait for a plan; returns how many do.
+    - ``loop``: executes the trajectories.
+    - ``cancel_program``: ends the running program, for a reason; returns whether one was running.
+    - ``give_up_requests``: gives up the requests that wait for a plan; returns their number.
     """
 
     def __init__(

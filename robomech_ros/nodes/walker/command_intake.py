@@ -21,12 +21,12 @@ _DEPTH = 10
 
 
 class CommandIntake:
-    """Commands that have come to a walker.
+    """Received commands of a walker.
 
-    - ``duration``: in which the trunk goes to a new pose (s).
-    - ``commanded``: whether a twist has come with the last look.
-    - ``refusal``: why the last pose or gait was not taken; empty if it was.
-    - ``refused``: how many poses or gaits were not taken.
+    - ``duration``: time in which the trunk goes to a new pose (s).
+    - ``commanded``: whether the last look found a new twist.
+    - ``refusal``: why the last pose or gait was refused; empty if it was not.
+    - ``refused``: number of refused poses and gaits.
     """
 
     def __init__(self, node: Node, walker: Walker, clock: MotionClock, duration: float) -> None:

@@ -152,10 +152,10 @@ class WalkStream:
 
 
 def rising(walker: Walker, position: Array, part: float) -> Samples:
-    """Return the way of the joints from where they are (n,) to where the walker stands.
+    """Return the motion of the joints from their present positions to the stance of the walker.
 
-    - ``position``: rad or m, shape (n,).
-    - ``part``: of the joints' speed limits that is used.
+    - ``position``: present joint positions (rad or m), shape (n,).
+    - ``part``: fraction of the speed limits that is used.
     """
     robot = walker.robot
     needed = _PEAK * np.abs(robot.home - position) / (part * robot.velocity)

@@ -76,13 +76,13 @@ class _Builder:
 def parse_xml(text: str | bytes, where: str) -> XmlElement:
     """Parse a document.
 
-    - ``text``: the document; of bytes the encoding is detected.
-    - ``where``: what it is called in messages.
+    - ``text``: the document; the encoding of bytes is detected.
+    - ``where``: name of the document in messages.
 
     Returns the root.
 
-    Raises RobotDescriptionError: too large, too deep, not well-formed, or with a document type
-    declaration.
+    Raises RobotDescriptionError: the document is too large, too deep or not well-formed, or has a
+    document type declaration.
     """
     if len(text) > LARGEST_XML:
         raise RobotDescriptionError(where, f"{len(text)} bytes, at most {LARGEST_XML} are allowed")

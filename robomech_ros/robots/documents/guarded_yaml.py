@@ -102,11 +102,11 @@ def parse_yaml(text: str | bytes, where: str, largest: int = LARGEST_YAML) -> di
     """Parse a document whose top level is a mapping.
 
     - ``text``: the document.
-    - ``where``: what it is called in messages.
-    - ``largest``: most bytes that are read.
+    - ``where``: name of the document in messages.
+    - ``largest``: largest size of the document (bytes).
 
-    Raises RobotDescriptionError: too large, not YAML, not a mapping, or with something that is not
-    plain data.
+    Raises RobotDescriptionError: the document is too large, not YAML, not a mapping, or not plain
+    data.
     """
     if len(text) > largest:
         raise RobotDescriptionError(where, f"{len(text)} bytes, at most {largest} are allowed")

@@ -38,14 +38,14 @@ def documents_in(folders: Iterable[Path], suffixes: tuple[str, ...] = SUFFIXES) 
 def document_source(
     given: object, files: Callable[[], Mapping[str, Path]], largest: int
 ) -> tuple[str | bytes, str]:
-    """Return the text of a YAML document, and what it is called in messages.
+    """Return the text of a YAML document, and its name for messages.
 
     - ``given``: a name, the path of a file, or the text.
-    - ``files``: gives the file of each name.
-    - ``largest``: bytes that a file may have.
+    - ``files``: returns the files by name.
+    - ``largest``: largest size of a file (bytes).
 
-    Raises BadValueError, UnknownRobotError, RobotDescriptionError: None of these, a name that is
-    not known, or a file that cannot be read.
+    Raises BadValueError: ``given`` is none of these. UnknownRobotError: the name is unknown.
+    RobotDescriptionError: the file cannot be read.
     """
     if isinstance(given, os.PathLike):
         path = Path(given)

@@ -32,9 +32,9 @@ def link_bodies(links: Iterable[XmlElement], where: str, notes: list[str]) -> di
     Whether a body can have these numbers is asked where they are used (:meth:`Body.fault`), so
     that kinematics goes on without.
 
-    - ``links``: named.
-    - ``where``: what the document is called in messages.
-    - ``notes``: gets what is given more than once.
+    - ``links``: elements of the links, which have names.
+    - ``where``: name of the document in messages.
+    - ``notes``: receives a note for each value that is given more than once.
     """
     bodies = {}
     for link in links:
@@ -81,7 +81,7 @@ def description_from_urdf(text: str | bytes, where: str = "URDF") -> RobotDescri
     document, too: only chains with this joint are refused.  The ``notes`` of the result name it.
 
     - ``text``: the document, xacro expanded.
-    - ``where``: what it is called in messages.
+    - ``where``: name of the document in messages.
 
     Raises RobotDescriptionError: the document is broken, hostile or breaks a rule of URDF: line,
     element and reason are named.

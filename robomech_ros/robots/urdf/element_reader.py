@@ -32,8 +32,8 @@ def _bare(element: XmlElement, key: str) -> None:
 class ElementReader:
     """Checks what is in one joint or link.
 
-    - ``element``: it has a name.
-    - ``where``: what the document is called in messages.
+    - ``element``: element of the joint or link, which has a name.
+    - ``where``: name of the document in messages.
     """
 
     def __init__(self, element: XmlElement, where: str) -> None:

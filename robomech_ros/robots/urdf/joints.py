@@ -29,9 +29,9 @@ _LIMIT_KEYS = ("lower", "upper", "velocity", "effort", "acceleration", "jerk")
 def read_joint(element: XmlElement, where: str, notes: list[str]) -> Joint:
     """Read a joint; one that cannot move as it is described gets its fault.
 
-    - ``element``: named.
-    - ``where``: what the document is called in messages.
-    - ``notes``: gets what is no limit although it is given.
+    - ``element``: element of the joint, which has a name.
+    - ``where``: name of the document in messages.
+    - ``notes``: receives a note for each given value that is not a valid limit.
     """
     reader = ElementReader(element, where)
     kind = element.attributes.get("type", "")

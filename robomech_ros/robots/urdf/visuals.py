@@ -33,7 +33,7 @@ def read_visuals(text: str, where: str = "URDF") -> list[Visual]:
     """Read the visual bodies of a URDF, those without a shape that is known left out.
 
     - ``text``: a document that :func:`description_from_urdf` accepts.
-    - ``where``: what it is called in messages.
+    - ``where``: name of the document in messages.
     """
     root = parse_urdf(text, where)
     links = root.all("link")

@@ -33,7 +33,7 @@ GOOD, POOR, MOST = (0.1, 0.6, 0.25), (0.95, 0.65, 0.1), 3.0
 def residual_ratios(result: HandEyeResult) -> Array:
     """Compare the residuals of samples with the noise.
 
-    - ``result``: of n samples.
+    - ``result``: calibration from n samples.
 
     Returns an array (n,): angle or distance over its root mean square from the noise, whichever
     ratio is greater.
@@ -81,7 +81,7 @@ def calibration_markers(
 ) -> list[ViewMarker]:
     """Draw a calibration: samples, sensor, target, and the ellipsoid of the sensor's position.
 
-    - ``result``: of n samples.
+    - ``result``: calibration from n samples.
     - ``tracking``: ``T_sensor_target`` of the samples (m), shape (n, 4, 4).
     - ``base``, ``hand``: frames of the robot's base and hand.
 

@@ -14,7 +14,7 @@ from robomech_ros.rvs.page.node_space import placed
 class MarkerNodes:
     """The markers of several sources.
 
-    - ``path_of``: gives the name of the node of a link.
+    - ``path_of``: returns the name of the node of a link.
     """
 
     def __init__(self, scene: Any, path_of: Callable[[str], str]) -> None:

@@ -37,7 +37,7 @@ class ObjectNodes:
     """The objects of a planning scene.
 
     - ``space``: at the base of the arm.
-    - ``path_of``: gives the name of the node of a link.
+    - ``path_of``: returns the name of the node of a link.
     - ``clicked``: called with the browser (viser.ClientHandle) and the name of an object that it
       clicks on.
     """

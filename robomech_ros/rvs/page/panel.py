@@ -32,7 +32,7 @@ class Panel:
     """The controls of one browser.
 
     - ``base``: node at the base of the arm.
-    - ``switches``: what is shown, as :data:`AT_FIRST`, and whether the page is dark.
+    - ``switches``: states of the switches: the parts of :data:`AT_FIRST`, and the dark page.
     """
 
     def __init__(

@@ -1,1 +1,1 @@
-"""Joints that are heard of: positions, limits, and whether they follow."""
+"""Received joint states: positions, limits, and whether joints follow their commands."""

@@ -40,15 +40,15 @@ def when_robot_known(
     parallel: bool = False,
     legged: bool = False,
 ) -> None:
-    """Call back with the robot: at once if the parameter names it, otherwise when the topic has it.
+    """Call back with the robot: at once if the parameter names it, or when the topic publishes it.
 
-    Until then the service ``~/ready`` says what is waited for.
+    Until then the service ``~/ready`` says what is missing.
 
-    - ``on_robot``: called once, and again after a RobomechError, with which it refuses a robot of
-      the topic.
-    - ``supplemented``: gives the robot what its description lacks; only arms can be given
-      something.
-    - ``completed``: gives an arm what it lacks then; other robots are as they are.
+    - ``on_robot``: called with the robot.  It can refuse a robot of the topic by a RobomechError,
+      and is then called with the next one.
+    - ``supplemented``: returns the robot with missing data of its description added; only arms can
+      be supplemented.
+    - ``completed``: returns an arm with the data that it then still lacks.
     - ``parallel``: whether the node serves parallel robots, too; it refuses them otherwise.
     - ``legged``: whether the node serves walking machines, too.
 

@@ -17,8 +17,10 @@ _NONE = 1e-9
 class DHFrames(NamedTuple):
     """Frames and lines of n joints in the base (m).
 
-    - ``offsets``, ``normals``: from the origin of a frame along z by b to the common normal with
-      the next axis, and along this by a to the origin of the next frame, shape (n, 2, 3).
+    - ``offsets``: ends of the segments b along z, from the origin of a frame to the common normal
+      with the next axis, shape (n, 2, 3).
+    - ``normals``: ends of the segments a along the common normal, to the origin of the next frame,
+      shape (n, 2, 3).
     """
 
     #: Frame i has its z along the axis of joint i, shape (n + 1, 4, 4); the last is fixed to the
@@ -34,10 +36,7 @@ class DHFrames(NamedTuple):
 
 
 def dh_frames(table: DHTable, q: Array, reach: float) -> DHFrames:
-    """Place the frames of a table at joint values (n,) (rad or m).
-
-    - ``q``: shape (n,).
-    """
+    """Place the frames of a table at joint values q (n,) (rad or m)."""
     slides = table.types == PRISMATIC
     b = table.b + np.where(slides, q, 0.0)
     theta = table.theta + np.where(slides, 0.0, q)

@@ -24,7 +24,7 @@ def limb_points(mechanism: Mechanism, q: Array, reach: float) -> Array:
     """Return where the joints of all limbs are.
 
     - ``q``: postures (rad or m), shape (k, n).
-    - ``reach``: how far from their point joints are whose axes all meet in one (m).
+    - ``reach``: distance of joints from the common point of their axes, if there is one (m).
 
     Returns an array (k, limbs, joints, 3) in the base (m).
     """

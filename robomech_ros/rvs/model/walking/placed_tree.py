@@ -41,7 +41,7 @@ def placed_tree(robot: RobotDescription, trunk: str, height: float) -> RobotDesc
 
     - ``robot``: its legs and its trunk.
     - ``trunk``: its link.
-    - ``height``: of the trunk that is level (m).
+    - ``height``: height of the level trunk (m).
 
     Raises RobotDescriptionError: a link or joint of the machine has the name of one of these
     joints, or of the ground.
@@ -63,8 +63,8 @@ def placing(base: Array, T: Array, height: float) -> dict[str, float]:
     """Return the joints that place the trunk.
 
     - ``base``: x, y (m) and heading (rad) of the machine, shape (3,).
-    - ``T``: the trunk over the ground (m), shape (4, 4).
-    - ``height``: of the trunk that is level (m).
+    - ``T``: pose of the trunk over the ground (m), shape (4, 4).
+    - ``height``: height of the level trunk (m).
     """
     c, s = np.cos(base[2]), np.sin(base[2])
     away = T[:3, 3] - (base[0], base[1], height)
