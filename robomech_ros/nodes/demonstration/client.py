@@ -118,7 +118,7 @@ class DemoClient:
     def plan_joint(self, goal: Array | JointState, **options: Any) -> Any:
         """Have a motion planned from where the joints are.
 
-        - ``goal``: rad or m, shape (n,).
+        - ``goal``: joint positions of the goal (rad or m), shape (n,).
         - ``**options``: other fields of a PlanJoint request.
 
         Returns a PlanJoint.Response.
@@ -141,8 +141,8 @@ class DemoClient:
     ) -> None:
         """Wait until the joints rest at a position.
 
-        - ``goal``: rad or m, shape (n,).
-        - ``tolerance``: of each joint's position, and of its velocity.
+        - ``goal``: joint positions of the goal (rad or m), shape (n,).
+        - ``tolerance``: largest deviation of a joint (rad or m), and largest speed (per s).
         - ``seconds``: how long to wait.
         - ``look``: called again and again meanwhile.
         """
@@ -167,8 +167,8 @@ class DemoClient:
     ) -> None:
         """Execute a trajectory, and wait until the joints rest at its goal.
 
-        - ``goal``: rad or m, shape (n,).
-        - ``tolerance``: of each joint's position, and of its velocity.
+        - ``goal``: joint positions of the goal (rad or m), shape (n,).
+        - ``tolerance``: largest deviation of a joint (rad or m), and largest speed (per s).
         - ``show``: called with the part of the duration that is over, 0 to 1, and the joint
           positions.
         """

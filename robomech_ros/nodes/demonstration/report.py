@@ -181,7 +181,7 @@ class Reporter:
     def progress(self, name: str, words: Callable[[Array], str] = _joints) -> Iterator[Shown]:
         """Show how far a motion is: a live bar, or a line each quarter.
 
-        - ``name``: of the motion.
+        - ``name``: name of the motion.
         - ``words``: writes where the robot is; by default joint positions (rad, m).
 
         Yields a callable that takes how much of the motion is done, 0 to 1, and where the robot is,

@@ -67,7 +67,7 @@ class Walk:
     def follow(self, follower: PathFollower, seconds: float) -> float:
         """Walk along a path from where the robot stands, and stop.
 
-        - ``seconds``: that it should take.
+        - ``seconds``: planned duration (s).
 
         Returns the time that it took (s).
         """

@@ -20,11 +20,12 @@ class Visual:
     """One visual or collision body of a link."""
 
     link: str
-    pose: Array  #: In the link (m), shape (4, 4).
-    kind: str  #: one of "box", "cylinder", "sphere", "mesh", or "capsule" of a collision body.
-    #: Sizes of a box; radius and length; radius; of a mesh its scale along x, y and z (m).
+    pose: Array  #: Pose in the link (m), shape (4, 4).
+    kind: str  #: One of "box", "cylinder", "sphere", "mesh", or "capsule" of a collision body.
+    #: Edges of a box; radius and length of a cylinder or capsule; radius of a sphere (m).  Scales of
+    #: a mesh along x, y and z.
     measures: tuple[float, ...]
-    filename: str = ""  #: Of a mesh, as written.
+    filename: str = ""  #: Name of the file of a mesh, as written.
     #: Red, green, blue and alpha from 0 to 1, where the document gives them.
     colour: Colour | None = None
 

@@ -63,12 +63,12 @@ class PostureFacts:
 
 @dataclass(frozen=True)
 class NextSingularity:
-    """The singular posture that is nearest."""
+    """The nearest singular posture."""
 
     #: Distance in joint values (rad), with slides divided by the characteristic length; infinite if
     #: no singular posture is found.
     distance: float
-    #: Kinds of the singularity.
+    #: Kinds of this singularity.
     kinds: tuple[str, ...]
 
 

@@ -111,8 +111,8 @@ class PlatformFacts:
     """Facts about a posture."""
 
     report: LoopSingularity
-    #: Twist of the platform, angular first, at its origin in the base (rad/s, m/s), that the drives
-    #: hold least, shape (6,).
+    #: The twist of the platform that the drives resist least: angular first, at its origin, in the
+    #: base (rad/s, m/s), shape (6,).
     weakest: Array
     #: Whether the platform can both rotate and translate.
     mixed: bool
