@@ -22,8 +22,8 @@ class Visual:
     link: str
     pose: Array  #: Pose in the link (m), shape (4, 4).
     kind: str  #: One of "box", "cylinder", "sphere", "mesh", or "capsule" of a collision body.
-    #: Edges of a box; radius and length of a cylinder or capsule; radius of a sphere (m).  Scales of
-    #: a mesh along x, y and z.
+    #: Edges of a box; radius and length of a cylinder or capsule; radius of a sphere (m).  The
+    #: scales of a mesh along x, y and z.
     measures: tuple[float, ...]
     filename: str = ""  #: Name of the file of a mesh, as written.
     #: Red, green, blue and alpha from 0 to 1, where the document gives them.
