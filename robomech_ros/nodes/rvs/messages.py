@@ -103,7 +103,7 @@ def read_marker(model: RobotModel, marker: Marker) -> ViewMarker:
 
     Raises BadValueError: the marker is of an unsupported type, in a frame that the robot does not
     have, or farther away or larger than 1e6 m. NonFiniteError: one of its numbers is NaN or
-    infinite. BadQuaternionError: its orientation is not a unit quaternion.
+    infinite. BadQuaternionError: its quaternion is zero or far from unit length.
     """
     kind = _KINDS.get(marker.type)
     if kind is None:

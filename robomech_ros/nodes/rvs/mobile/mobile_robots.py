@@ -32,7 +32,7 @@ class MobileRobot:
 
     name: str  #: Name of the robot.
     followed: ObservedRobot
-    node: str  #: Name of its node, which publishes its limits on /diagnostics.
+    node: str  #: Name of its node, which says on /diagnostics which limits act at present.
     command: str
     odometry: str
     #: Period of twists while a button is held (s). Some drives follow each twist for only one of
