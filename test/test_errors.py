@@ -84,7 +84,7 @@ def test_texts_and_pickles(error, text):
 
 
 def test_every_error_of_a_public_package_is_exported():
-    """What a caller may have to catch can be imported, and has an entry in the documents."""
+    """Errors that callers may have to catch can be imported and are documented."""
     exported = set().union(*public_packages().values())
     hidden = []
     for package in {name.split(".")[1] for name in public_packages()}:

@@ -40,7 +40,7 @@ class ContoursLayer(Layer):
         super().__init__(place)
         self._view: CurveView | None = None
         self._on = False
-        # What the curves were drawn for, and where the robot was then.
+        # Subject of the drawn curves, and the posture of the robot then.
         self._target: Array | None = None
         self._here: Array | None = None
         self._box: Any = None
