@@ -189,13 +189,13 @@ class SerialChain(Printed):
         )
 
     def joint_values(self, q: Array) -> Array:
-        """Return the values (..., m) of all joints (rad or m) from those (..., n) of the drives."""
+        """Compute the values (..., m) of all joints (rad or m) from the drives' (..., n)."""
         if self.coupling is None:
             return q
         return self.coupling.gain * np.take(q, self.coupling.drive, -1) + self.coupling.offset
 
     def joint_rates(self, qd: Array) -> Array:
-        """Return the rates (..., m) of all joints from those (..., n) of the drives."""
+        """Compute the rates (..., m) of all joints from the drives' rates (..., n)."""
         if self.coupling is None:
             return qd
         return self.coupling.gain * np.take(qd, self.coupling.drive, -1)
@@ -205,18 +205,18 @@ class SerialChain(Printed):
         return efforts if self.coupling is None else efforts @ self.coupling.matrix
 
     def drive_columns(self, columns: Array) -> Array:
-        """Turn columns (..., k, m) for rates of all joints into those (..., k, n) for drives."""
+        """Convert columns (..., k, m) for joint rates to columns (..., k, n) for drive rates."""
         return columns if self.coupling is None else columns @ self.coupling.matrix
 
     def drive_matrix(self, matrix: Array) -> Array:
-        """Turn matrices (..., m, m) of all joints into those (..., n, n) of the drives."""
+        """Convert matrices (..., m, m) of all joints to matrices (..., n, n) of the drives."""
         if self.coupling is None:
             return matrix
         A = self.coupling.matrix
         return A.T @ matrix @ A
 
     def driven_joint(self, drive: int) -> tuple[int, float]:
-        """Find the joint that a drive moves most, and its rate over that of the drive."""
+        """Find the joint that a drive moves most, and its rate per rate of the drive."""
         if self.coupling is None:
             return drive, 1.0
         column = self.coupling.matrix[:, drive]
@@ -234,7 +234,7 @@ class SerialChain(Printed):
         what: str = "chain",
         instead: str = "chain.uncoupled is one, at the joint values chain.joint_values(q)",
     ) -> None:
-        """Refuse a chain on which joints follow others, with a subject and an advice."""
+        """Raise an error if joints follow others; ``what`` and ``instead`` complete its text."""
         if self.coupling is not None:
             followers = [name for name in self.all_joint_names if name not in self.joint_names]
             noun = "joint" if len(followers) == 1 else "joints"
@@ -270,10 +270,7 @@ class SerialChain(Printed):
 
     @cached_property
     def dh(self) -> DHTable | None:
-        """Denavit-Hartenberg table: the one given, else recovered; None without joints.
-
-        It is None, too, where joints follow others: :attr:`uncoupled` has one.
-        """
+        """Denavit-Hartenberg table, given or recovered; None without joints or with coupling."""
         if self.dh_given is not None:
             return self.dh_given
         return recover_dh(self.packed) if self.n and self.coupling is None else None
@@ -289,10 +286,7 @@ class SerialChain(Printed):
         return find_frame(self.frames, link)
 
     def with_tip(self, link: str) -> SerialChain:
-        """Return the chain that ends at another of its links, or at one fixed to one of them.
-
-        It has the first joints of this chain only, as many as move that link.
-        """
+        """Return the chain to another of its links, with only the joints that move that link."""
         check_name("link", link)
         link = bare_link(link)
         if link == self.tip:
@@ -303,7 +297,7 @@ class SerialChain(Printed):
 
     @cached_property
     def _with_tip(self) -> dict[str, SerialChain]:
-        """The chains to other links that have been asked for."""
+        """Cached chains to other links."""
         return {}
 
     def _cut_at(self, target: LinkFrame) -> SerialChain:

@@ -10,7 +10,7 @@ import numpy as np
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.walking.planted import planted_forward
 from robomech_ros.dynamics.checked_states import as_vector
-from robomech_ros.dynamics.floating.chain import (
+from robomech_ros.dynamics.floating.equations import (
     check_status,
     floating_efforts,
     floating_inertia,

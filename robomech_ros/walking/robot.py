@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -17,15 +17,12 @@ from robomech_ros.errors import BadValueError, SeedOutsideLimitsError
 from robomech_ros.kinematics import InverseKinematicsResult, forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.parallel import Mechanism
-from robomech_ros.parallel.mechanism.tree import links_of_joints, tree_of_limbs
-from robomech_ros.robots import Body, RobotDescription, SerialChain, urdf_from_description
-from robomech_ros.robots.bodies import combine_bodies
+from robomech_ros.robots import Body, RobotDescription, SerialChain
 from robomech_ros.spatial.arrays import as_choice, as_single, check_kind, listed, whole_number
-from robomech_ros.spatial.poses import inverse_pose
 from robomech_ros.typing import Array, ArrayLike, BoolArray
+from robomech_ros.walking.leg_tree import JOINTS, check_legs, one_body, rest_of_tree, tree_of_legs
 from robomech_ros.walking.stance_mechanism import contact_rows, stance_mechanism
 
-_JOINTS = 3
 _PLACE = (True, True, True, False, False, False)
 _STILL = np.zeros(0)
 _planted_legs = direct(planted_legs)
@@ -82,24 +79,11 @@ class LeggedRobot:
         tree: RobotDescription | None = None,
         trunk_body: Body | None = None,
     ) -> None:
-        if not isinstance(legs, Mapping) or not all(isinstance(one, str) for one in legs):
-            raise BadValueError("legs", legs, "chains by the names of the legs")
-        if len(legs) < 3:
-            raise BadValueError("number of legs", len(legs), "3 or more, else it cannot stand")
-        if len(legs) > MOST_LEGS:
-            raise BadValueError("number of legs", len(legs), f"at most {MOST_LEGS}")
-        for leg, chain in legs.items():
-            check_kind(f"leg '{leg}'", chain, SerialChain, "a SerialChain")
-            if chain.n != _JOINTS:
-                raise BadValueError(f"number of joints of leg '{leg}'", chain.n, str(_JOINTS))
-            chain.require_uncoupled(f"leg '{leg}'", "describe the leg without <mimic>")
+        check_legs(legs)
         check_kind("tree", tree, RobotDescription | None, "a RobotDescription")
-        trunks = sorted({chain.base for chain in legs.values()})
-        if len(trunks) > 1:
-            raise BadValueError("base links of the legs", trunks, "one trunk")
-        self.name, self.source, self.trunk, self._tree = name, source, trunks[0], tree
-        self.leg_names = tuple(legs)
-        self.legs = tuple(legs.values())
+        self.name, self.source, self._tree = name, source, tree
+        self.leg_names, self.legs = tuple(legs), tuple(legs.values())
+        self.trunk = self.legs[0].base
         self.joint_names = tuple(joint for leg in self.legs for joint in leg.joint_names)
         if len(set(self.joint_names)) < len(self.joint_names):
             raise BadValueError("joint names of the legs", self.joint_names, "different ones")
@@ -116,38 +100,19 @@ class LeggedRobot:
             if not lower <= value <= upper:
                 raise SeedOutsideLimitsError(joint, value, lower, upper, "home")
         check_kind("trunk_body", trunk_body, Body | None, "a Body")
-        self.trunk_body = self._rest_of_tree() if trunk_body is None else trunk_body
-        centre = self._mass_centre_at_home() if mass_centre is None else mass_centre
+        self.trunk_body = trunk_body
+        if tree is not None and trunk_body is None:
+            self.trunk_body = rest_of_tree(self.description, self.legs)
+        if mass_centre is None and tree is not None:
+            whole = one_body(self.description, self.trunk, tree.bodies)
+            mass_centre = None if whole is None else whole.com
+        centre = np.zeros(3) if mass_centre is None else mass_centre
         self.mass_centre = as_single("mass_centre", centre, (3,)).copy()
-
-    def _mass_centre_at_home(self) -> Array:
-        """Compute the mass centre of all links of the tree in the trunk (m), shape (3,)."""
-        whole = None if self._tree is None else self._combined(self._tree.bodies)
-        return np.zeros(3) if whole is None else whole.com
-
-    def _rest_of_tree(self) -> Body | None:
-        """Combine all links of the tree that no leg moves, at home and in the trunk."""
-        if self._tree is None:
-            return None
-        moved = {
-            link
-            for leg in self.legs
-            for first in links_of_joints(leg)[:1]
-            for link in (first, *self._tree.links_below(first))
-        }
-        return self._combined([link for link in self._tree.bodies if link not in moved])
-
-    def _combined(self, links: Iterable[str]) -> Body | None:
-        """Make one body of some links of the tree, at home and in the trunk."""
-        poses = self.description.link_poses(self.description.home)
-        back = inverse_pose(poses[self.trunk])
-        bodies = self.description.bodies
-        return combine_bodies([bodies[link].expressed_in(back @ poses[link]) for link in links])
 
     @property
     def n(self) -> int:
         """Number of joints."""
-        return _JOINTS * len(self.legs)
+        return JOINTS * len(self.legs)
 
     @property
     def units(self) -> tuple[str, ...]:
@@ -161,17 +126,10 @@ class LeggedRobot:
 
     @cached_property
     def description(self) -> RobotDescription:
-        """The tree of links and joints, which stands at home.
-
-        It is the URDF that the legs were taken from; without one bodies are made up.
-        """
+        """The tree of links and joints at home: the URDF of the legs, or a generated one."""
         tree = self._tree
         if tree is None:
-            made = tree_of_limbs(self.name, self.legs, None, {})
-            trunk = {} if self.trunk_body is None else {self.trunk: self.trunk_body}
-            bodies = {**made.bodies, **trunk}
-            tree = replace(made, document="", source=self.source, bodies=bodies)
-            tree = replace(tree, document=urdf_from_description(tree))
+            tree = tree_of_legs(self.name, self.source, self.legs, self.trunk_body)
         home = dict(zip(self.joint_names, self.home.tolist(), strict=True))
         return replace(tree, home={**tree.home, **home})
 
@@ -190,7 +148,7 @@ class LeggedRobot:
         home: ArrayLike | None = None,
         mass_centre: ArrayLike | None = None,
     ) -> LeggedRobot:
-        """Take the legs of a robot that is described by a URDF.
+        """Take the legs from a robot's URDF.
 
         Parameters
         ----------
@@ -221,15 +179,15 @@ class LeggedRobot:
         )
 
     def joints(self, q: ArrayLike, what: str = "q") -> Array:
-        """Check values of all joints and give them leg by leg, shape (k, 3)."""
-        return np.ascontiguousarray(as_single(what, q, (self.n,)).reshape(-1, _JOINTS))
+        """Return checked values of all joints, leg by leg, shape (k, 3)."""
+        return np.ascontiguousarray(as_single(what, q, (self.n,)).reshape(-1, JOINTS))
 
     def leg_number(self, leg: str) -> int:
-        """Find a leg by name, or raise BadValueError with the names there are."""
+        """Return the index of a leg; the error for an unknown name lists the legs."""
         return self.leg_names.index(as_choice("leg", leg, self.leg_names))
 
     def standing(self, stance: Sequence[str] | None, least: int = 3) -> tuple[int, ...]:
-        """Return the numbers of the legs that stand; None stands for all."""
+        """Return the indices of the standing legs; None stands for all."""
         whole_number("least", least, f"a number of legs from 0 to {MOST_LEGS}", 0, MOST_LEGS)
         if stance is None:
             return tuple(range(len(self.legs)))
@@ -240,35 +198,25 @@ class LeggedRobot:
         return numbers
 
     def feet(self, q: ArrayLike) -> Array:
-        """Compute where the feet are in the trunk (m), shape (k, 3).
-
-        Parameters
-        ----------
-        q : array_like, shape (3 k,)
-            All joints (rad or m).
-        """
+        """Compute the positions of the feet in the trunk (m), shape (k, 3), at joints (3 k,)."""
         rows = self.joints(q)
         return np.array(
             [forward_kinematics(leg, row)[:3, 3] for leg, row in zip(self.legs, rows, strict=True)]
         )
 
     def foot_jacobians(self, q: ArrayLike) -> Array:
-        """Compute what takes the rates of each leg to the velocity of its foot in the trunk.
+        """Compute the Jacobians (k, 3, 3) from leg rates to foot velocities in the trunk.
 
         Parameters
         ----------
         q : array_like, shape (3 k,)
             All joints (rad or m).
-
-        Returns
-        -------
-        ndarray, shape (k, 3, 3)
         """
         rows = self.joints(q)
         return np.array([jacobian(leg, row)[3:] for leg, row in zip(self.legs, rows, strict=True)])
 
     def check_regular(self, q: ArrayLike, J: Array, standing: Sequence[int]) -> None:
-        """Refuse :meth:`foot_jacobians` if a standing leg, given by number, is singular."""
+        """Reject :meth:`foot_jacobians` J if a leg of ``standing`` (indices) is singular."""
         values = np.linalg.svd(J[list(standing)], compute_uv=False)
         for k, (largest, _, least) in zip(standing, values, strict=True):
             if least <= ZERO * largest:
@@ -283,16 +231,16 @@ class LeggedRobot:
         seed: ArrayLike | None = None,
         respect_limits: bool = True,
     ) -> InverseKinematicsResult:
-        """Find all postures of a leg for a place of its foot.
+        """Find all postures of a leg for a position of its foot.
 
         Parameters
         ----------
         leg : str
-            Its name.
+            Name of the leg.
         foot : array_like, shape (3,)
             In the trunk (m).
         seed : array_like, shape (3,), optional
-            The posture of the leg (rad or m) nearest to which they are sorted; default home.
+            Posture of the leg (rad or m); the nearest to it comes first.  Default home.
         respect_limits : bool, optional
             Whether postures outside the limits are left out.
 
@@ -304,7 +252,7 @@ class LeggedRobot:
         k = self.leg_number(leg)
         T = np.eye(4)
         T[:3, 3] = as_single("foot", foot, (3,))
-        near = self.home.reshape(-1, _JOINTS)[k] if seed is None else seed
+        near = self.home.reshape(-1, JOINTS)[k] if seed is None else seed
         return inverse_kinematics(
             self.legs[k], T, seed=near, respect_limits=respect_limits, task_mask=_PLACE
         )
@@ -312,7 +260,7 @@ class LeggedRobot:
     def stance_rates(
         self, q: ArrayLike, twist: ArrayLike, stance: Sequence[str] | None = None
     ) -> Array:
-        """Compute the joint rates with which the trunk moves while feet stand still.
+        """Compute the joint rates that move the trunk while feet stand still.
 
         Parameters
         ----------
@@ -321,7 +269,7 @@ class LeggedRobot:
         twist : array_like, shape (6,)
             [w; v] of the trunk over the ground, at its origin and in its axes (rad/s, m/s).
         stance : sequence of str, optional
-            The legs that stand, default all; the others keep still.
+            The standing legs, default all; joints of the others stand still.
 
         Returns
         -------
@@ -363,7 +311,7 @@ class LeggedRobot:
         """
         standing, rows = self.standing(stance, 1), self.joints(q)
         stands = np.array([k in standing for k in range(len(self.legs))], dtype=np.int64)
-        size = 6 + self.n - _JOINTS * len(standing)
+        size = 6 + self.n - JOINTS * len(standing)
         w = np.zeros(size) if independent is _STILL else as_vector("independent", independent, size)
         N, motion = np.empty((6 + self.n, size)), np.empty((2, 6 + self.n))
         if _planted_legs(self.packed, rows, stands, np.ascontiguousarray(w), N, motion):

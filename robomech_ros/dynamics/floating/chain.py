@@ -2,36 +2,29 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-
 import numpy as np
 
 from robomech_ros._kernels.chain.serial import NOT_FINITE
-from robomech_ros._kernels.compiling.jit import direct
-from robomech_ros._kernels.dynamics import floating
-from robomech_ros._kernels.dynamics.layout import MASS, MODEL_WIDTH, ROTOR
+from robomech_ros._kernels.dynamics.layout import MASS
 from robomech_ros._kernels.dynamics.mass import totals
-from robomech_ros.dynamics.model import body_rows, dynamic_model, surroundings
-from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.dynamics.floating.equations import (
+    WEIGHTLESS,
+    check_status,
+    floating_accelerations,
+    floating_efforts,
+    floating_inertia,
+    floating_models,
+)
+from robomech_ros.errors import BadValueError, WrongSizeError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics import jacobian
-from robomech_ros.robots.bodies import Body, possible_body
+from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.chain import SerialChain
-from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE
 from robomech_ros.spatial.arrays import LEAST, as_choice, as_single, real_array
 from robomech_ros.typing import Array, ArrayLike
 
 STILL = ("pose", "orientation")
-WEIGHTLESS = (0.0, 0.0, 0.0)
-_NOTHING = surroundings((6,), WEIGHTLESS)
-_NOTHING.setflags(write=False)
-
-_inverse, _forward = direct(floating.floating_inverse), direct(floating.floating_forward)
-_mass = direct(floating.floating_mass)
-# Turns x to y, y to z and z to x: three slides, then three turns, along x, y and z.
-_NEXT_AXIS = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 # Singular values below this part of the greatest count as zero.
 _ZERO = 1e-9
 # Least eigenvalue of a locked inertia scaled to a unit diagonal; rounding leaves 1e-16 of zero.
@@ -100,13 +93,7 @@ class FloatingChain:
         return float(self._models[0, :, MASS].sum())
 
     def mass_matrix(self, q: ArrayLike) -> Array:
-        """Compute the generalised inertia of the rates u, shape (6 + n, 6 + n).
-
-        Parameters
-        ----------
-        q : array_like, shape (n,)
-            Joint values (rad or m).
-        """
+        """Compute the generalised inertia (6 + n, 6 + n) of the rates u at joint values (n,)."""
         return floating_inertia(self._models, self._values("q", q)[None])
 
     def momentum(self, q: ArrayLike, rates: ArrayLike) -> Array:
@@ -139,7 +126,7 @@ class FloatingChain:
         return float(self._totals(q, rates)[10])
 
     def rates(self, q: ArrayLike, qd: ArrayLike, momentum: ArrayLike | None = None) -> Array:
-        """Return u for joint rates, with the base twist that conserves the momentum.
+        """Return u, shape (6 + n,), for joint rates and a momentum of the robot.
 
         Parameters
         ----------
@@ -147,10 +134,6 @@ class FloatingChain:
             Joint values (rad or m) and rates (rad/s or m/s).
         momentum : array_like, shape (6,), optional
             As from :meth:`momentum`.  Default zero.
-
-        Returns
-        -------
-        ndarray, shape (6 + n,)
         """
         given = self._values("qd", qd)
         H, about = self.mass_matrix(q), np.zeros(6)
@@ -176,8 +159,7 @@ class FloatingChain:
         Returns
         -------
         ndarray, shape (6, n)
-            From joint rates to [omega; v] of the tip in inertial space, at the tip's origin and in
-            the axes of the base.
+            Twists [omega; v] in inertial space, at the tip's origin and in the axes of the base.
         """
         H = self.mass_matrix(q)
         return self.tip_jacobian(q) @ np.vstack(
@@ -187,9 +169,7 @@ class FloatingChain:
     def joint_rates(
         self, q: ArrayLike, twist: ArrayLike, momentum: ArrayLike | None = None
     ) -> Array:
-        """Return the joint rates that give the tip a twist in inertial space.
-
-        A servo calls it in each step. A twist of zero holds the tip while the base drifts.
+        """Return the joint rates for a tip twist in inertial space; zero holds a drifting tip.
 
         Parameters
         ----------
@@ -234,7 +214,7 @@ class FloatingChain:
         q : array_like, shape (n,)
             Joint values (rad or m).
         still : {"pose", "orientation"}, optional
-            Whether the base must not move at all, or only must not turn.
+            Property of the base that stays constant.
 
         Returns
         -------
@@ -289,7 +269,7 @@ class FloatingChain:
         gravity: ArrayLike = WEIGHTLESS,
         tip_wrench: ArrayLike | None = None,
     ) -> Array:
-        """Compute the accelerations that efforts cause, the inverse of :meth:`inverse`.
+        """Compute the accelerations (6 + n,) that efforts cause.
 
         Parameters
         ----------
@@ -301,19 +281,10 @@ class FloatingChain:
             ``[n; f; tau]``; the wrench on a free base is zero.
         gravity, tip_wrench
             As for :meth:`inverse`.
-
-        Returns
-        -------
-        ndarray, shape (6 + n,)
         """
         values, u = self._values("q", q), self._values("rates", rates, 6)
         given = self._values("efforts", efforts, 6)
-        around, out = _surroundings(gravity, tip_wrench), np.empty(6 + self.n)
-        status = _forward(self._models[0], values, u, given, around, out)
-        check_status(
-            status, q=values, rates=u, efforts=given, gravity=gravity, tip_wrench=tip_wrench
-        )
-        return out
+        return floating_accelerations(self._models, values, u, given, gravity, tip_wrench)
 
     def torques(self, q: ArrayLike, rates: ArrayLike, qdd: ArrayLike) -> tuple[Array, Array]:
         """Compute the torques for joint accelerations while the base floats.
@@ -339,7 +310,7 @@ class FloatingChain:
         return held[6:] + H[6:, :6] @ base, base
 
     def _values(self, what: str, value: ArrayLike, more: int = 0) -> Array:
-        """Return joint values after ``more`` values of the base; kernels check for finite ones."""
+        """Check the shape (more + n,) of an array; kernels check that it is finite."""
         array = real_array(what, value)
         if not array.flags.c_contiguous:
             array = np.ascontiguousarray(array)
@@ -348,7 +319,7 @@ class FloatingChain:
         return array
 
     def _totals(self, q: ArrayLike, rates: ArrayLike) -> Array:
-        """Compute mass, first moment (3), momentum about the base's origin (6), and energy."""
+        """Compute mass, first moment (3), momentum about the base's origin (6) and energy."""
         values, u = self._values("q", q), self._values("rates", rates, 6)
         out, joints = np.empty((1, 11)), np.concatenate((np.zeros(6), values))
         moving = np.concatenate((u[3:6], u[:3], u[6:]))
@@ -368,78 +339,11 @@ class FloatingChain:
 def least_rates(
     robot: FloatingChain, q: ArrayLike, twist: Array, adrift: Array
 ) -> tuple[Array, bool]:
-    """Return the least joint rates (n,) for a twist of the tip, and whether they give all of it.
+    """Return the least-norm joint rates (n,) for a tip twist, and whether they reach all of it.
 
-    ``adrift`` are the rates u (6 + n,) of base and still joints.
+    ``adrift``: rates u (6 + n,) of the drifting base while the joints stand still.
     """
     needed = twist - robot.tip_jacobian(q) @ adrift
     J = robot.generalized_jacobian(q)
     found, _, rank, _ = np.linalg.lstsq(J, needed, rcond=_SINGULAR_JACOBIAN)
     return np.asarray(found, dtype=np.float64), bool(rank == 6)
-
-
-def floating_models(chains: Sequence[SerialChain], base: Body | None) -> Array:
-    """Lay out chains of n joints on one base for the kernels, shape (k, 7 + n, 24)."""
-    models = np.zeros((len(chains), 7 + chains[0].n, MODEL_WIDTH))
-    models[:, :6, 0] = [PRISMATIC] * 3 + [REVOLUTE] * 3
-    models[:, :6, 1:10] = _NEXT_AXIS.ravel()
-    for model, chain in zip(models, chains, strict=True):
-        model[6:] = dynamic_model(chain)
-    if base is not None:
-        body = possible_body("base", base)
-        packed = [body.mass, *body.com, *body.inertia[np.triu_indices(3)]]
-        models[0, 5, MASS:ROTOR] = body_rows(np.array([packed]))[0]
-    models.setflags(write=False)
-    return models
-
-
-def floating_inertia(models: Array, q: Array) -> Array:
-    """Compute the inertia (6 + k n, 6 + k n) of chains on one base at q (k, n)."""
-    M = np.empty((6 + q.size, 6 + q.size))
-    check_status(_mass(models, q, M), q=q.ravel())
-    return M
-
-
-def floating_efforts(
-    models: Array,
-    q: Array,
-    u: Array,
-    du: Array,
-    gravity: ArrayLike,
-    tip_wrench: ArrayLike | None = None,
-) -> Array:
-    """Compute the efforts (6 + k n,) of a motion of chains on one base."""
-    out = np.empty(u.shape)
-    status = _inverse(models, q, u, du, _surroundings(gravity, tip_wrench), out)
-    # A sum takes a third of the time of np.isfinite.
-    if not status and math.isfinite(sum(out.ravel().tolist())):
-        return out
-    if not np.isfinite(out).all():
-        status |= NOT_FINITE
-    check_status(
-        status, q=q.ravel(), rates=u, accelerations=du, gravity=gravity, tip_wrench=tip_wrench
-    )
-    return out
-
-
-def check_status(status: int, **values: ArrayLike | None) -> None:
-    """Raise the error for the status of a kernel that was given these values."""
-    if not status:
-        return
-    given = {what: np.asarray(value) for what, value in values.items() if value is not None}
-    for what, array in given.items():
-        if not np.isfinite(array).all():
-            raise NonFiniteError(what, array)
-    if status & ~NOT_FINITE:
-        expected = "bodies that resist every motion"
-        raise BadValueError("least inertia of the floating chain", 0.0, expected)
-    what, array = max(given.items(), key=lambda one: np.abs(one[1]).max())
-    largest = float(np.abs(array).max())
-    raise BadValueError(f"largest of {what}", largest, "values with a finite result")
-
-
-def _surroundings(gravity: ArrayLike, tip_wrench: ArrayLike | None) -> Array:
-    """Pack gravity and tip wrench for the kernels."""
-    if gravity is WEIGHTLESS and tip_wrench is None:
-        return _NOTHING
-    return surroundings((6,), gravity, tip_wrench)

@@ -9,7 +9,8 @@ import numpy as np
 
 from robomech_ros.dynamics.chain_dynamics import ChainDynamics
 from robomech_ros.dynamics.drive_control import CompiledServo, ServoLaw
-from robomech_ros.dynamics.floating.chain import WEIGHTLESS, FloatingChain
+from robomech_ros.dynamics.floating.chain import FloatingChain
+from robomech_ros.dynamics.floating.equations import WEIGHTLESS
 from robomech_ros.dynamics.payload import with_payload
 from robomech_ros.errors import BadValueError
 from robomech_ros.robots.bodies import Body
