@@ -21,15 +21,15 @@ if TYPE_CHECKING:
         inverse_kinematics as inverse_kinematics,
     )
     from robomech_ros.kinematics.inverse.optimal_posture import optimal_posture as optimal_posture
-    from robomech_ros.kinematics.inverse.result import (
-        InverseKinematicsResult as InverseKinematicsResult,
-    )
-    from robomech_ros.kinematics.inverse.self_motion import (
+    from robomech_ros.kinematics.inverse.redundant_arms.self_motion import (
         SelfMotion as SelfMotion,
         SelfMotionBranch as SelfMotionBranch,
         self_motion as self_motion,
     )
-    from robomech_ros.kinematics.inverse.status import Status as Status
+    from robomech_ros.kinematics.inverse.result.result import (
+        InverseKinematicsResult as InverseKinematicsResult,
+    )
+    from robomech_ros.kinematics.inverse.result.status import Status as Status
     from robomech_ros.kinematics.joint_jumps import Jump as Jump
     from robomech_ros.kinematics.path_branches import (
         BranchPath as BranchPath,

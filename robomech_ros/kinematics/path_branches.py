@@ -11,9 +11,9 @@ from robomech_ros.kinematics.branch_selection import fewest_jumps
 from robomech_ros.kinematics.inverse.batch import inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
-from robomech_ros.kinematics.inverse.redundancy import Redundancy, limit_margins
-from robomech_ros.kinematics.inverse.request import as_seed, as_tolerance
-from robomech_ros.kinematics.inverse.target import as_targets
+from robomech_ros.kinematics.inverse.redundant_arms.redundancy import Redundancy, limit_margins
+from robomech_ros.kinematics.inverse.request.request import as_seed, as_tolerance
+from robomech_ros.kinematics.inverse.request.target import as_targets
 from robomech_ros.kinematics.joint_jumps import Jump, find_jumps
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain

@@ -14,7 +14,7 @@ from timing import Work, interleave
 
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics, inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.families.iterative import SearchGoal, iterative_data
-from robomech_ros.kinematics.inverse.iterative_search import iterative_search
+from robomech_ros.kinematics.inverse.families.iterative_search import iterative_search
 from robomech_ros.robots import SerialChain, chain_from_dh, load_robot
 
 ARMS = ("puma560", "ur5e")

@@ -2,13 +2,9 @@
 
 from types import SimpleNamespace
 
-from robomech_ros.kinematics.inverse import (
-    inverse_kinematics,
-    iterative_search,
-    nearest_posture,
-    reach,
-    solve_by_search,
-)
+from robomech_ros.kinematics.inverse import inverse_kinematics, nearest_posture, solve_by_search
+from robomech_ros.kinematics.inverse.families import iterative_search
+from robomech_ros.kinematics.inverse.result import reach
 
 _WITH_CLOCK = (inverse_kinematics, iterative_search, nearest_posture, reach, solve_by_search)
 

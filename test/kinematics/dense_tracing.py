@@ -4,7 +4,7 @@ import numpy as np
 from independent_search import multi_start, turn_difference
 
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.kinematics.inverse.redundancy import Redundancy
+from robomech_ros.kinematics.inverse.redundant_arms.redundancy import Redundancy
 from robomech_ros.kinetostatics import jacobian
 
 __all__ = ["dense_branches", "nearest_of"]

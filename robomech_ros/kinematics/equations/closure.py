@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
-from robomech_ros.kinematics.inverse.target import as_targets
+from robomech_ros.kinematics.inverse.request.target import as_targets
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_number

@@ -15,7 +15,7 @@ from robomech_ros.kinematics.equations.positioning import (
     positioning_equations,
     wrist_centre,
 )
-from robomech_ros.kinematics.inverse.target import as_targets
+from robomech_ros.kinematics.inverse.request.target import as_targets
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.dh_table import DHTable, link_transforms
 from robomech_ros.typing import Array, ArrayLike, ComplexArray

@@ -15,7 +15,7 @@ from robomech_ros.kinematics.equations.half_angles import (
     angles_of_roots,
     half_angle_polynomial,
 )
-from robomech_ros.kinematics.inverse.target import as_targets
+from robomech_ros.kinematics.inverse.request.target import as_targets
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.dh_table import DHTable
 from robomech_ros.spatial.arrays import as_finite

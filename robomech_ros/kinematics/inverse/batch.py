@@ -9,12 +9,12 @@ from robomech_ros.kinematics.inverse.closed_form import solve_many
 from robomech_ros.kinematics.inverse.families.iterative import SearchGoal, iterative_data
 from robomech_ros.kinematics.inverse.families.selection import Family, family_of, iterative_family
 from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
-from robomech_ros.kinematics.inverse.reach import out_of_reach
-from robomech_ros.kinematics.inverse.redundant_solutions import sample_self_motions
-from robomech_ros.kinematics.inverse.request import Request, as_request, default_tolerances
-from robomech_ros.kinematics.inverse.status import Status
-from robomech_ros.kinematics.inverse.target import as_targets
-from robomech_ros.kinematics.inverse.task import FULL_TASK
+from robomech_ros.kinematics.inverse.redundant_arms.redundant_solutions import sample_self_motions
+from robomech_ros.kinematics.inverse.request.request import Request, as_request, default_tolerances
+from robomech_ros.kinematics.inverse.request.target import as_targets
+from robomech_ros.kinematics.inverse.request.task import FULL_TASK
+from robomech_ros.kinematics.inverse.result.reach import out_of_reach
+from robomech_ros.kinematics.inverse.result.status import Status
 from robomech_ros.kinematics.tolerances import MOST_SAMPLED
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.typing import Array, ArrayLike, IntArray

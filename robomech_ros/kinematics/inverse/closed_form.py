@@ -9,21 +9,21 @@ from robomech_ros._kernels.inverse.ranking import rank, winding_count
 from robomech_ros._kernels.inverse.solutions import MARKS, MAX_SOLUTIONS, solve
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.inverse.families.selection import Family
-from robomech_ros.kinematics.inverse.reasons import (
+from robomech_ros.kinematics.inverse.request.request import Request, as_request
+from robomech_ros.kinematics.inverse.request.target import as_targets
+from robomech_ros.kinematics.inverse.result.reasons import (
     describe_continuum,
     explain_limits,
     explain_unreachable,
     no_solution,
 )
-from robomech_ros.kinematics.inverse.request import Request, as_request
-from robomech_ros.kinematics.inverse.result import (
+from robomech_ros.kinematics.inverse.result.result import (
     Findings,
     InverseKinematicsResult,
     Listing,
     read_listing,
 )
-from robomech_ros.kinematics.inverse.status import Status
-from robomech_ros.kinematics.inverse.target import as_targets
+from robomech_ros.kinematics.inverse.result.status import Status
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.typing import Array, IntArray
 

@@ -7,14 +7,14 @@ import numpy as np
 from robomech_ros._kernels.inverse.iterative import layout as at
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.inverse.families.iterative import SearchGoal, task_data
+from robomech_ros.kinematics.inverse.families.iterative_search import iterative_search
 from robomech_ros.kinematics.inverse.families.selection import iterative_family
-from robomech_ros.kinematics.inverse.iterative_search import iterative_search
-from robomech_ros.kinematics.inverse.reasons import no_solution
-from robomech_ros.kinematics.inverse.request import as_request, with_task
-from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
+from robomech_ros.kinematics.inverse.request.request import as_request, with_task
+from robomech_ros.kinematics.inverse.request.target import as_target, as_targets
+from robomech_ros.kinematics.inverse.result.reasons import no_solution
+from robomech_ros.kinematics.inverse.result.result import InverseKinematicsResult
+from robomech_ros.kinematics.inverse.result.status import Status
 from robomech_ros.kinematics.inverse.solve_by_search import ranked_solutions
-from robomech_ros.kinematics.inverse.status import Status
-from robomech_ros.kinematics.inverse.target import as_target, as_targets
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.typing import ArrayLike
 

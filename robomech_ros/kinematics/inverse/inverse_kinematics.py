@@ -7,16 +7,22 @@ from collections.abc import Sequence
 
 from robomech_ros._kernels.tolerances import ORIENTATION_TOLERANCE, POSITION_TOLERANCE
 from robomech_ros.kinematics.inverse.closed_form import solve_closed_form
-from robomech_ros.kinematics.inverse.contacts import Scene, without_contacts
 from robomech_ros.kinematics.inverse.families.selection import Family, family_of
 from robomech_ros.kinematics.inverse.nearest_posture import add_nearest
-from robomech_ros.kinematics.inverse.redundant_solutions import solve_by_sampling
-from robomech_ros.kinematics.inverse.request import Request, as_cap, as_request, is_loose, with_task
-from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
+from robomech_ros.kinematics.inverse.redundant_arms.redundant_solutions import solve_by_sampling
+from robomech_ros.kinematics.inverse.request.request import (
+    Request,
+    as_cap,
+    as_request,
+    is_loose,
+    with_task,
+)
+from robomech_ros.kinematics.inverse.request.target import as_target, as_targets
+from robomech_ros.kinematics.inverse.request.task import FULL_TASK
+from robomech_ros.kinematics.inverse.result.contacts import Scene, without_contacts
+from robomech_ros.kinematics.inverse.result.result import InverseKinematicsResult
+from robomech_ros.kinematics.inverse.result.status import Status
 from robomech_ros.kinematics.inverse.solve_by_search import solve_by_search
-from robomech_ros.kinematics.inverse.status import Status
-from robomech_ros.kinematics.inverse.target import as_target, as_targets
-from robomech_ros.kinematics.inverse.task import FULL_TASK
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.typing import Array, ArrayLike
 

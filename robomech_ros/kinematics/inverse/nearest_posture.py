@@ -7,12 +7,15 @@ import numpy as np
 
 from robomech_ros._kernels.inverse.iterative import layout as at
 from robomech_ros.kinematics.inverse.families.iterative import SearchGoal, iterative_data, task_data
+from robomech_ros.kinematics.inverse.families.iterative_search import (
+    IterativeSearch,
+    iterative_search,
+)
 from robomech_ros.kinematics.inverse.families.selection import iterative_family
-from robomech_ros.kinematics.inverse.iterative_search import IterativeSearch, iterative_search
-from robomech_ros.kinematics.inverse.request import Request
-from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
+from robomech_ros.kinematics.inverse.request.request import Request
+from robomech_ros.kinematics.inverse.result.result import InverseKinematicsResult
+from robomech_ros.kinematics.inverse.result.status import Status
 from robomech_ros.kinematics.inverse.solve_by_search import ranked_solutions
-from robomech_ros.kinematics.inverse.status import Status
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.typing import Array
 

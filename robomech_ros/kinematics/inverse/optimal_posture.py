@@ -12,10 +12,10 @@ from robomech_ros._kernels.tolerances import SAME_POSTURE
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
-from robomech_ros.kinematics.inverse.redundancy import Redundancy, limit_margins
-from robomech_ros.kinematics.inverse.result import Findings, InverseKinematicsResult, Listing
-from robomech_ros.kinematics.inverse.self_motion import SelfMotionBranch, self_motion
-from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.kinematics.inverse.redundant_arms.redundancy import Redundancy, limit_margins
+from robomech_ros.kinematics.inverse.redundant_arms.self_motion import SelfMotionBranch, self_motion
+from robomech_ros.kinematics.inverse.result.result import Findings, InverseKinematicsResult, Listing
+from robomech_ros.kinematics.inverse.result.status import Status
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC
 from robomech_ros.spatial.arrays import as_choice

@@ -8,12 +8,17 @@ import numpy as np
 
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros.kinematics.inverse.closed_form import rank_solutions
-from robomech_ros.kinematics.inverse.coupled_joints import solve_coupled_joints
+from robomech_ros.kinematics.inverse.equivalent_arms.coupled_joints import solve_coupled_joints
+from robomech_ros.kinematics.inverse.equivalent_arms.virtual_joints import solve_with_virtual_joints
 from robomech_ros.kinematics.inverse.families.iterative import SearchGoal, task_data
+from robomech_ros.kinematics.inverse.families.iterative_search import (
+    IterativeSearch,
+    iterative_search,
+)
 from robomech_ros.kinematics.inverse.families.selection import Family, iterative_family
-from robomech_ros.kinematics.inverse.iterative_search import IterativeSearch, iterative_search
-from robomech_ros.kinematics.inverse.reach import NO_TIME, reach_gap
-from robomech_ros.kinematics.inverse.reasons import (
+from robomech_ros.kinematics.inverse.request.request import Request, is_loose
+from robomech_ros.kinematics.inverse.result.reach import NO_TIME, reach_gap
+from robomech_ros.kinematics.inverse.result.reasons import (
     NO_GAP,
     describe_continuum,
     describe_gap,
@@ -21,11 +26,9 @@ from robomech_ros.kinematics.inverse.reasons import (
     explain_unreachable,
     no_solution,
 )
-from robomech_ros.kinematics.inverse.request import Request, is_loose
-from robomech_ros.kinematics.inverse.result import Findings, InverseKinematicsResult, Listing
-from robomech_ros.kinematics.inverse.singular_marks import singular_marks
-from robomech_ros.kinematics.inverse.status import Status
-from robomech_ros.kinematics.inverse.virtual_joints import solve_with_virtual_joints
+from robomech_ros.kinematics.inverse.result.result import Findings, InverseKinematicsResult, Listing
+from robomech_ros.kinematics.inverse.result.singular_marks import singular_marks
+from robomech_ros.kinematics.inverse.result.status import Status
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.typing import Array
 

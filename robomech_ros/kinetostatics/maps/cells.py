@@ -10,8 +10,8 @@ from robomech_ros.kinematics.inverse.batch import family_within
 from robomech_ros.kinematics.inverse.closed_form import solve_many
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.inverse_kinematics import inverse_kinematics
-from robomech_ros.kinematics.inverse.redundant_solutions import sample_self_motions
-from robomech_ros.kinematics.inverse.request import as_request
+from robomech_ros.kinematics.inverse.redundant_arms.redundant_solutions import sample_self_motions
+from robomech_ros.kinematics.inverse.request.request import as_request
 from robomech_ros.kinematics.tolerances import MOST_SAMPLED
 from robomech_ros.kinetostatics.indices import condition_number
 from robomech_ros.kinetostatics.maps.request import MapRequest

@@ -11,7 +11,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.closed_form import solve_many
 from robomech_ros.kinematics.inverse.families.selection import family_of
-from robomech_ros.kinematics.inverse.request import as_request
+from robomech_ros.kinematics.inverse.request.request import as_request
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinetostatics.rotation_sets import uniform_rotations
 from robomech_ros.robots.chain import SerialChain

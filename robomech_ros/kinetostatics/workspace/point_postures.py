@@ -13,7 +13,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics.inverse.closed_form import solve_many
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.families.six_joints import chain_of
-from robomech_ros.kinematics.inverse.request import as_request
+from robomech_ros.kinematics.inverse.request.request import as_request
 from robomech_ros.kinetostatics.workspace.section import WorkspaceSection
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE
 from robomech_ros.spatial.poses import assembled

@@ -11,9 +11,9 @@ from visualization_msgs.msg import Marker
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics, inverse_kinematics_batch
-from robomech_ros.kinematics.inverse.contacts import without_contacts
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.first_solution import first_solution
+from robomech_ros.kinematics.inverse.result.contacts import without_contacts
 from robomech_ros.kinetostatics import (
     SingularityReport,
     Workspace,

@@ -8,10 +8,10 @@ from robomech_ros.cartesian import waypoint_path
 from robomech_ros.dynamics import FloatingChain
 from robomech_ros.errors import BadValueError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.kinematics.inverse.contacts import Scene, without_contacts
-from robomech_ros.kinematics.inverse.result import Findings, InverseKinematicsResult, Listing
-from robomech_ros.kinematics.inverse.status import Status
-from robomech_ros.kinematics.inverse.task import FULL_TASK
+from robomech_ros.kinematics.inverse.request.task import FULL_TASK
+from robomech_ros.kinematics.inverse.result.contacts import Scene, without_contacts
+from robomech_ros.kinematics.inverse.result.result import Findings, InverseKinematicsResult, Listing
+from robomech_ros.kinematics.inverse.result.status import Status
 from robomech_ros.nodes.common.robot.inertial_paths import follow_inertial
 from robomech_ros.spatial.poses import rigid_inverse
 from robomech_ros.typing import Array

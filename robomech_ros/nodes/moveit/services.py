@@ -13,7 +13,7 @@ from rclpy.node import Node
 
 from robomech_ros.errors import WrongSizeError
 from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
-from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.kinematics.inverse.result.status import Status
 from robomech_ros.nodes.common.cooperative_wait import TimeSlices
 from robomech_ros.nodes.common.messages.pose_messages import stamped_pose
 from robomech_ros.nodes.middleware.queue_depth import serve

@@ -7,9 +7,9 @@ import numpy as np
 
 from robomech_ros.kinematics import inverse_kinematics
 from robomech_ros.kinematics.inverse.nearest_posture import least_squares_posture
-from robomech_ros.kinematics.inverse.request import as_request
-from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
-from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.kinematics.inverse.request.request import as_request
+from robomech_ros.kinematics.inverse.result.result import InverseKinematicsResult
+from robomech_ros.kinematics.inverse.result.status import Status
 from robomech_ros.robots import SerialChain
 from robomech_ros.typing import Array
 

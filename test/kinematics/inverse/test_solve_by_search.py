@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from robomech_ros.hands import load_hand
 from robomech_ros.kinematics import Status, forward_kinematics, inverse_kinematics
-from robomech_ros.kinematics.inverse.reach import reach_gap
+from robomech_ros.kinematics.inverse.result.reach import reach_gap
 from robomech_ros.robots import chain_from_dh, load_robot
 
 X_Y_RZ = (True, True, False, False, False, True)

@@ -8,7 +8,7 @@ import numpy as np
 
 from robomech_ros._kernels.inverse.iterative import layout as at
 from robomech_ros._kernels.tolerances import ORIENTATION_TOLERANCE, POSITION_TOLERANCE
-from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
+from robomech_ros.kinematics.inverse.request.task import FULL_TASK, Task
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides, reach_bound
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC

@@ -13,13 +13,13 @@ from robomech_ros.kinematics.inverse.families.iterative import (
     iterative_data,
     task_data,
 )
-from robomech_ros.kinematics.inverse.iterative_search import (
+from robomech_ros.kinematics.inverse.families.iterative_search import (
     REACH_ATTEMPTS,
     iterative_search,
     least_orientation_error,
 )
-from robomech_ros.kinematics.inverse.reach import REACH_STARTS, reach_gap
-from robomech_ros.kinematics.inverse.task import FULL_TASK
+from robomech_ros.kinematics.inverse.request.task import FULL_TASK
+from robomech_ros.kinematics.inverse.result.reach import REACH_STARTS, reach_gap
 from robomech_ros.robots import chain_from_dh, load_robot
 
 REACHABLE = 1000

@@ -14,7 +14,7 @@ from robomech_ros.kinematics import (
 )
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.families.six_joints import chain_of
-from robomech_ros.kinematics.inverse.redundancy import Redundancy
+from robomech_ros.kinematics.inverse.redundant_arms.redundancy import Redundancy
 from robomech_ros.robots import chain_from_dh, load_robot
 
 HALF = np.pi / 2

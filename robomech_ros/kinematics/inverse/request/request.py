@@ -17,7 +17,7 @@ from robomech_ros.errors import (
     SeedOutsideLimitsError,
     WrongSizeError,
 )
-from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
+from robomech_ros.kinematics.inverse.request.task import FULL_TASK, Task
 from robomech_ros.kinematics.joint_values import as_joint_values, as_posture, raise_not_finite
 from robomech_ros.kinematics.mobility import arm_size, moves_in_all_directions
 from robomech_ros.robots.chain import SerialChain

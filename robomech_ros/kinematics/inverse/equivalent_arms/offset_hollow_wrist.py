@@ -18,9 +18,12 @@ from functools import lru_cache
 import numpy as np
 
 from robomech_ros.kinematics.forward import forward_kinematics
+from robomech_ros.kinematics.inverse.equivalent_arms.spherical_hollow_wrist import (
+    between_axes,
+    outer_angles,
+)
 from robomech_ros.kinematics.inverse.families.merged_axes import MergedArm
 from robomech_ros.kinematics.inverse.families.six_joints import chain_of
-from robomech_ros.kinematics.inverse.spherical_hollow_wrist import between_axes, outer_angles
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import turn_about_z, unpack_chain

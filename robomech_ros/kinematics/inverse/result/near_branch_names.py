@@ -23,9 +23,9 @@ from robomech_ros._kernels.inverse.six_joints import (
 )
 from robomech_ros.kinematics.axis_points import nearest_points
 from robomech_ros.kinematics.forward import forward_kinematics
-from robomech_ros.kinematics.inverse.branch_names import largest_difference
 from robomech_ros.kinematics.inverse.families import decoupled, three_parallel
 from robomech_ros.kinematics.inverse.families.six_joints import chain_of
+from robomech_ros.kinematics.inverse.result.branch_names import largest_difference
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.kinematics.tolerances import NEARLY_NAMED
 from robomech_ros.robots.chain import SerialChain

@@ -6,8 +6,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.kinematics.inverse.result import InverseKinematicsResult
-from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.kinematics.inverse.result.result import InverseKinematicsResult
+from robomech_ros.kinematics.inverse.result.status import Status
 from robomech_ros.robots.chain import SerialChain
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics, inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.families.merged_axes import merged_arm
-from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.kinematics.inverse.result.status import Status
 from robomech_ros.kinetostatics import jacobian, joint_rates
 from robomech_ros.robots import load_robot
 from test.coupled_robots import DATA, coupled, found_by_newton, lifter

@@ -8,8 +8,8 @@ import numpy as np
 
 from robomech_ros._kernels.chain.reach import REACHED, least_distance
 from robomech_ros.kinematics.inverse.families.iterative import SearchGoal, packed_chain, task_data
-from robomech_ros.kinematics.inverse.iterative_search import least_orientation_error
-from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
+from robomech_ros.kinematics.inverse.families.iterative_search import least_orientation_error
+from robomech_ros.kinematics.inverse.request.task import FULL_TASK, Task
 from robomech_ros.kinematics.posture_samples import low_discrepancy_strides
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.typing import Array

@@ -12,11 +12,11 @@ import numpy as np
 
 from robomech_ros._kernels.tolerances import SAME_POSTURE
 from robomech_ros.kinematics.inverse.closed_form import solve_closed_form
+from robomech_ros.kinematics.inverse.families.iterative_search import IterativeSearch
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.families.six_joints import chain_of
-from robomech_ros.kinematics.inverse.iterative_search import IterativeSearch
-from robomech_ros.kinematics.inverse.request import Request
-from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
+from robomech_ros.kinematics.inverse.request.request import Request
+from robomech_ros.kinematics.inverse.request.task import FULL_TASK, Task
 from robomech_ros.numerics.arrays import distinct
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import PRISMATIC, REVOLUTE, unpack_chain

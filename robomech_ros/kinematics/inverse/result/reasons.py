@@ -7,16 +7,16 @@ import numpy as np
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.ranking import excesses
 from robomech_ros.kinematics.inverse.families.selection import Family
-from robomech_ros.kinematics.inverse.reach import ReachGap, distance_inside_limits, reach_gap
-from robomech_ros.kinematics.inverse.result import (
+from robomech_ros.kinematics.inverse.request.task import FULL_TASK, Task
+from robomech_ros.kinematics.inverse.result.reach import ReachGap, distance_inside_limits, reach_gap
+from robomech_ros.kinematics.inverse.result.result import (
     NO_EXCESS,
     Findings,
     InverseKinematicsResult,
     Listing,
 )
-from robomech_ros.kinematics.inverse.singular_marks import task_jacobian
-from robomech_ros.kinematics.inverse.status import Status
-from robomech_ros.kinematics.inverse.task import FULL_TASK, Task
+from robomech_ros.kinematics.inverse.result.singular_marks import task_jacobian
+from robomech_ros.kinematics.inverse.result.status import Status
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.typing import Array, IntArray
 

@@ -8,10 +8,14 @@ from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
-from robomech_ros.kinematics.inverse.iterative_search import REACH_ATTEMPTS
-from robomech_ros.kinematics.inverse.reach import REACH_STARTS, distance_inside_limits, reach_gap
-from robomech_ros.kinematics.inverse.status import Status
-from robomech_ros.kinematics.inverse.task import FULL_TASK
+from robomech_ros.kinematics.inverse.families.iterative_search import REACH_ATTEMPTS
+from robomech_ros.kinematics.inverse.request.task import FULL_TASK
+from robomech_ros.kinematics.inverse.result.reach import (
+    REACH_STARTS,
+    distance_inside_limits,
+    reach_gap,
+)
+from robomech_ros.kinematics.inverse.result.status import Status
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.robots import chain_from_dh, load_robot
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robomech_ros.kinematics.inverse.redundancy import Redundancy, limit_margins
-from robomech_ros.kinematics.inverse.redundant_solutions import parameter_name
-from robomech_ros.kinematics.inverse.target import as_targets
+from robomech_ros.kinematics.inverse.redundant_arms.redundancy import Redundancy, limit_margins
+from robomech_ros.kinematics.inverse.redundant_arms.redundant_solutions import parameter_name
+from robomech_ros.kinematics.inverse.request.target import as_targets
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.typing import Array, ArrayLike

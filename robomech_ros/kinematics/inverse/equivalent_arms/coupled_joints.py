@@ -10,21 +10,21 @@ import numpy as np
 from robomech_ros._kernels.inverse.polishing import polish
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
 from robomech_ros._kernels.tolerances import ACCEPTED, SAME_POSTURE
-from robomech_ros.kinematics.inverse.branch_names import largest_difference
 from robomech_ros.kinematics.inverse.closed_form import all_postures
-from robomech_ros.kinematics.inverse.families.merged_axes import MergedArm, merged_arm
-from robomech_ros.kinematics.inverse.families.selection import family_of
-from robomech_ros.kinematics.inverse.iterative_search import IterativeSearch
-from robomech_ros.kinematics.inverse.offset_hollow_wrist import (
+from robomech_ros.kinematics.inverse.equivalent_arms.offset_hollow_wrist import (
     offset_hollow_wrist,
     offset_wrist_postures,
 )
-from robomech_ros.kinematics.inverse.request import Request
-from robomech_ros.kinematics.inverse.spherical_hollow_wrist import (
+from robomech_ros.kinematics.inverse.equivalent_arms.spherical_hollow_wrist import (
     spherical_hollow_wrist,
     spherical_wrist_postures,
 )
-from robomech_ros.kinematics.inverse.task import FULL_TASK
+from robomech_ros.kinematics.inverse.families.iterative_search import IterativeSearch
+from robomech_ros.kinematics.inverse.families.merged_axes import MergedArm, merged_arm
+from robomech_ros.kinematics.inverse.families.selection import family_of
+from robomech_ros.kinematics.inverse.request.request import Request
+from robomech_ros.kinematics.inverse.request.task import FULL_TASK
+from robomech_ros.kinematics.inverse.result.branch_names import largest_difference
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.typing import Array
 

@@ -13,11 +13,15 @@ from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.one_pose import DISTANCES, MARKED, TARGET
 from robomech_ros._kernels.inverse.quality import CONDITION, MARGIN, ORIENTATION, POSITION, measure
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
-from robomech_ros.kinematics.inverse.branch_names import branch_name, distinct_names, numbered_names
-from robomech_ros.kinematics.inverse.near_branch_names import named_branches
-from robomech_ros.kinematics.inverse.singular_marks import singular_marks
-from robomech_ros.kinematics.inverse.status import Status
-from robomech_ros.kinematics.inverse.task import FULL_TASK
+from robomech_ros.kinematics.inverse.request.task import FULL_TASK
+from robomech_ros.kinematics.inverse.result.branch_names import (
+    branch_name,
+    distinct_names,
+    numbered_names,
+)
+from robomech_ros.kinematics.inverse.result.near_branch_names import named_branches
+from robomech_ros.kinematics.inverse.result.singular_marks import singular_marks
+from robomech_ros.kinematics.inverse.result.status import Status
 from robomech_ros.printing import MOST_LINES, Printed, brief
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.typing import Array, BoolArray, IntArray

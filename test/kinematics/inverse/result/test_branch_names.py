@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
-from robomech_ros.kinematics.inverse.branch_names import distinct_names
 from robomech_ros.kinematics.inverse.families.six_joints import chain_of
+from robomech_ros.kinematics.inverse.result.branch_names import distinct_names
 from robomech_ros.robots import chain_from_dh, load_robot
 from robomech_ros.robots.chain_layout import unpack_chain
 from robomech_ros.spatial import matrix_from_roll_pitch_yaw, roll_pitch_yaw_from_matrix

@@ -10,9 +10,9 @@ from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros.kinematics.inverse.closed_form import rank_solutions
 from robomech_ros.kinematics.inverse.families.selection import Family
-from robomech_ros.kinematics.inverse.request import Request
-from robomech_ros.kinematics.inverse.result import Findings, InverseKinematicsResult, Listing
-from robomech_ros.kinematics.inverse.status import Status
+from robomech_ros.kinematics.inverse.request.request import Request
+from robomech_ros.kinematics.inverse.result.result import Findings, InverseKinematicsResult, Listing
+from robomech_ros.kinematics.inverse.result.status import Status
 from robomech_ros.kinematics.tolerances import MOST_SAMPLED
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.typing import Array, IntArray

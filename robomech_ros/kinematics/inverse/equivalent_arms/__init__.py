@@ -1,0 +1,1 @@
+"""Inverse kinematics through an equivalent arm without coupled or missing joints."""

@@ -1,0 +1,1 @@
+"""Self-motion of redundant arms, and solutions along it."""

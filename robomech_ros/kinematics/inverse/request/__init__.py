@@ -1,0 +1,1 @@
+"""Checked input of inverse kinematics: request, target pose, task."""
