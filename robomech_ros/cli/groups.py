@@ -24,7 +24,7 @@ def run(args: argparse.Namespace) -> int:
     for one in known.end_effectors.values():
         console.print(f"end effector '{one.name}': group '{one.group}' on link '{one.parent_link}'")
     if known.disabled_collisions:
-        console.print(f"{len(known.disabled_collisions)} pairs of links without collisions")
+        console.print(f"link pairs without collisions: {len(known.disabled_collisions)}")
     for note in known.notes:
         console.print(f"note: {note}", markup=False)
     return 0

@@ -20,8 +20,8 @@ def note_kinds(parser: argparse.ArgumentParser, refused: Mapping[str, Iterable[s
     - ``refused``: options without use for a kind, by the plural name of the kind; not for arms.
     """
     for action in parser._actions:
-        others = [called for called, names in refused.items() if action.dest in {*names}]
-        kept = ["arms", *(called for called in refused if called not in others)]
+        others = [kind_name for kind_name, names in refused.items() if action.dest in {*names}]
+        kept = ["arms", *(kind_name for kind_name in refused if kind_name not in others)]
         if others and len(kept) <= len(others):
             action.help = f"{action.help} ({' and '.join(kept)} only)"
         elif others:
@@ -32,7 +32,7 @@ def refuse_options(
     args: argparse.Namespace,
     refused: Iterable[str],
     robot: str,
-    called: str,
+    kind_name: str,
     unused: Iterable[str] = (),
 ) -> None:
     """Refuse options that robots of a kind have no use for.
@@ -40,7 +40,7 @@ def refuse_options(
     - ``args``: the parsed arguments.
     - ``refused``: names of the options that robots of this kind have no use for.
     - ``robot``: name or path of the robot, as it was given.
-    - ``called``: name of the kind, with its article.
+    - ``kind_name``: name of the kind, with its article.
     - ``unused``: options that change nothing for such robots, and are not refused.
 
     Raises OptionRefusedError: it names the option, the kind, and the options that apply.
@@ -50,7 +50,7 @@ def refuse_options(
     if given:
         applying = [name for name in vars(args) if name not in (*others, *unused, *_NO_OPTIONS)]
         raise OptionRefusedError(
-            f"{_word(given)} does not apply to '{robot}', {called}; "
+            f"{_word(given)} does not apply to '{robot}', {kind_name}; "
             f"what applies: {', '.join(map(_word, applying))}"
         )
 

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from robomech_ros.errors import BadValueError, SeedOutsideLimitsError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.plotting.postures import plot_postures
 from robomech_ros.robots import SerialChain, load_description, load_semantics, main_chain
@@ -64,7 +65,7 @@ def run(args: argparse.Namespace) -> int:
     angles = {"azimuth": math.radians(args.azimuth), "elevation": math.radians(args.elevation)}
     path = plot_postures(args.output, chain, result.q, title=title, **angles)
     more = "these are all" if result.complete else "there may be more"
-    print(f"{path}: {len(result)} postures; {more}")
+    print(f"{path}: {counted(len(result), 'posture')}; {more}")
     return 0
 
 

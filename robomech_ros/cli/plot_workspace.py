@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 
 from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinetostatics import workspace_boundary
 from robomech_ros.plotting.workspace_section import plot_workspace
 from robomech_ros.robots import load_description
@@ -46,7 +47,8 @@ def run(args: argparse.Namespace) -> int:
             expected = f"a file that can be written ({error.strerror})"
             raise BadValueError("--json", str(args.json), expected) from None
     print(
-        f"{path}: {len(space.curves)} curves, {len(space.cusps)} cusps, {len(space.nodes)} nodes; "
+        f"{path}: {counted(len(space.curves), 'curve')}, {counted(len(space.cusps), 'cusp')}, "
+        f"{counted(len(space.nodes), 'node')}; "
         f"reach {space.least_reach:.4g} to {space.greatest_reach:.4g} m"
     )
     return 0

@@ -44,6 +44,11 @@ def listed(names: Sequence[str], most: int = LONGEST_LIST) -> str:
     return text
 
 
+def counted(count: int, noun: str) -> str:
+    """Show a count with its noun, such as "1 leg" and "2 legs"."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
 def of_unit(value: float, unit: str, digits: int = 9) -> str:
     """Show a number with its unit, if that is known."""
     return f"{value:.{digits}g} {unit}".rstrip()

@@ -6,6 +6,7 @@ import numpy as np
 
 from robomech_ros._kernels.tolerances import RANK
 from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinematics.joint_values import as_finite_values
 from robomech_ros.kinetostatics.indices import as_length
 from robomech_ros.kinetostatics.point_jacobians import TIP, point_jacobian
@@ -122,7 +123,7 @@ def wrench_from_torques(
     """
     J = point_jacobian(chain, q, point, axes)
     if chain.n < _POSE:
-        names = f"{chain.name} with {chain.n} joints"
+        names = f"{chain.name} with {counted(chain.n, 'joint')}"
         raise BadValueError("chain", names, "six joints or more: a wrench is six numbers")
     tau = as_finite_values(chain, torques, "torques")
     scale = np.repeat((1.0, 1.0 / (1.0 if length is None else as_length(length))), 3)

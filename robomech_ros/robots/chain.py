@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from robomech_ros._kernels.chain.layout import COUPLING_WIDTH, PACKED_WIDTH, TURN
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.printing import MOST_LINES, Printed
 from robomech_ros.robots.bodies import Body, lump_bodies, pack_bodies
 from robomech_ros.robots.chain_layout import MOST_JOINTS, PRISMATIC, REVOLUTE, unpack_chain
@@ -148,7 +149,9 @@ class SerialChain(Printed):
         object.__setattr__(self, field, array)
 
     def __repr__(self) -> str:
-        return f"SerialChain({self.name!r}, {self.n} joints, {self.base!r} to {self.tip!r})"
+        return (
+            f"SerialChain({self.name!r}, {counted(self.n, 'joint')}, {self.base!r} to {self.tip!r})"
+        )
 
     def __str__(self) -> str:
         rows = zip(self.joint_names, self.units, self.lower, self.upper, self.velocity, strict=True)
@@ -159,7 +162,9 @@ class SerialChain(Printed):
         ]
         if len(joints) >= MOST_LINES:
             joints[MOST_LINES - 2 :] = [f"  and {len(joints) - MOST_LINES + 2} more"]
-        return "\n".join([f"{self.name}: {self.n} joints, {self.base} to {self.tip}", *joints])
+        return "\n".join(
+            [f"{self.name}: {counted(self.n, 'joint')}, {self.base} to {self.tip}", *joints]
+        )
 
     @cached_property
     def n(self) -> int:

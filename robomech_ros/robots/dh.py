@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.robots.bodies import Body
 from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.chain_layout import MOST_JOINTS, PRISMATIC, REVOLUTE, pack_chain
@@ -227,7 +228,7 @@ def _joint_type(entry: object) -> int:
 def _names(names: Sequence[str] | None, n: int) -> tuple[str, ...]:
     if names is None:
         return tuple(f"joint_{i + 1}" for i in range(n))
-    given = listed("joint_names", names, f"a list of {n} names")
+    given = listed("joint_names", names, f"a list of {counted(n, 'name')}")
     if len(given) != n:
         raise WrongSizeError("joint_names", len(given), n)
     return given

@@ -26,7 +26,7 @@ class GripperModel:
         return "m" if self.opening is not None else self.joints[0].unit
 
     @property
-    def ends(self) -> tuple[float, float]:
+    def limits(self) -> tuple[float, float]:
         """Least and greatest value (m, or rad); those of an open-ended joint are a turn apart."""
         if self.opening is not None:
             return 0.0, self.opening.greatest
@@ -36,7 +36,7 @@ class GripperModel:
 
     def position(self, value: float) -> float:
         """Return the position of the joints (rad or m) at a value."""
-        low, high = self.ends
+        low, high = self.limits
         if not low <= value <= high:
             what = "width" if self.opening is not None else f"joint '{self.joints[0].name}'"
             raise BadValueError(what, value, f"{low:.6g} to {high:.6g} {self.unit}")
@@ -51,7 +51,7 @@ class GripperModel:
         first = self.joints[0]
         position = float(positions.get(first.name, first.rest))
         value = position if self.opening is None else self.opening.width(position)
-        low, high = self.ends
+        low, high = self.limits
         return min(max(value, low), high)
 
 

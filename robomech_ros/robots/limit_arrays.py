@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError, MissingLimitsError, NonFiniteError, WrongSizeError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.robots.entry_checks import check_name
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.typing import Array, BoolArray
@@ -55,7 +56,7 @@ def _from_pairs(limits: ArrayLike, n: int) -> dict[str, Array]:
 
 def _row(key: str, value: ArrayLike | None, n: int) -> Array:
     what = f"limits {key}"
-    expected = f"a number for each of {n} joints, or one for all; None is no limit"
+    expected = f"a number for each joint, or one for all ({counted(n, 'joint')}); None is no limit"
     row = _with_missing(what, value, _MISSING[key], expected)
     if row.shape not in ((), (n,)):
         raise WrongSizeError(what, row.shape, f"({n},), or one number for all joints")

@@ -39,6 +39,7 @@ from typing import Any
 import numpy as np
 
 from robomech_ros.errors import RobomechError, RobotDescriptionError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinematics.forward_uncompiled import link_transforms
 from robomech_ros.parallel.mechanism.limb import Axis
 from robomech_ros.robots import Body, RobotDescription, SerialChain, load_description
@@ -186,5 +187,5 @@ def _axis(joint: object, leg: str, where: str) -> Axis:
 
 def _numbers(value: object, where: str, count: int) -> Array:
     if not isinstance(value, list) or len(value) != count:
-        raise RobotDescriptionError(where, f"expected a list of {count} numbers")
+        raise RobotDescriptionError(where, f"expected a list of {counted(count, 'number')}")
     return np.array([read_number(item, "entry", where) for item in value])

@@ -14,6 +14,7 @@ from robomech_ros._kernels.walking.gait_step import MOST_LEGS
 from robomech_ros._kernels.walking.planted import ZERO, planted_legs
 from robomech_ros.dynamics.checked_states import as_vector
 from robomech_ros.errors import BadValueError, SeedOutsideLimitsError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinematics import InverseKinematicsResult, forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.parallel import Mechanism
@@ -194,7 +195,7 @@ class LeggedRobot:
         names = listed("stance", stance, "names of legs")
         numbers = tuple(sorted({self.leg_number(name) for name in names}))
         if len(numbers) < least:
-            raise BadValueError("legs that stand", list(names), f"{least} legs or more")
+            raise BadValueError("legs that stand", list(names), f"at least {counted(least, 'leg')}")
         return numbers
 
     def feet(self, q: ArrayLike) -> Array:

@@ -34,7 +34,7 @@ def test_groups_are_listed_with_what_is_wrong(srdf, capsys):
     assert "no one chain" in shown
     assert "far (unusable)" in shown
     assert "end effector 'cup': group 'wrist' on link 'tool0'" in shown
-    assert "1 pairs of links without collisions" in shown
+    assert "link pairs without collisions: 1" in shown
     assert "line 10: group_state 'far' of group 'wrist': joint 'wrist_1_joint' is at 70" in shown
 
 

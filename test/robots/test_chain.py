@@ -229,7 +229,7 @@ def test_dh_chain_names_and_limits():
         (([1], [0], [0], None, {"limits": {"velocity": [1, 2]}}), WrongSizeError, "limits velocit"),
         (([1], [0], [0], None, {"limits": {"lower": [np.nan]}}), NonFiniteError, "limits lower"),
         (([1], [0], [0], None, {"joint_names": ["a", "b"]}), WrongSizeError, "joint_names has"),
-        (([1], [0], [0], None, {"joint_names": "j"}), BadValueError, "a list of 1 names"),
+        (([1], [0], [0], None, {"joint_names": "j"}), BadValueError, "a list of 1 name$"),
         (([1e300], [0], [0]), BadValueError, r"a\[0\] is 1e[+]300, expected at most 1e[+]06 m"),
         (
             ([1], [0], [1e300]),

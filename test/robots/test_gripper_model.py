@@ -34,7 +34,7 @@ def test_the_width_is_the_distance_between_the_fingers(gripper, width):
     left, right = (poses[link][:3, 3] for link in ("panda_leftfinger", "panda_rightfinger"))
     assert np.linalg.norm(left - right) == pytest.approx(width, abs=1e-12)
     assert gripper.value({FINGERS[0]: position}) == pytest.approx(width, abs=1e-12)
-    assert (gripper.ends, gripper.unit) == ((0.0, pytest.approx(0.08)), "m")
+    assert (gripper.limits, gripper.unit) == ((0.0, pytest.approx(0.08)), "m")
 
 
 def test_two_slides_without_mimic_move_together():
@@ -44,7 +44,7 @@ def test_two_slides_without_mimic_move_together():
 
 def test_without_two_fingers_the_value_is_the_position_of_the_joint():
     one = gripper_of(panda_with_hand(), links=("panda_hand", "panda_hand"))
-    assert one.opening is None and one.ends == (0.0, 0.04) and one.unit == "m"
+    assert one.opening is None and one.limits == (0.0, 0.04) and one.unit == "m"
     assert one.positions(0.03) == {FINGERS[0]: 0.03}
     with pytest.raises(BadValueError, match=r"joint 'panda_finger_joint1' is 0.05, .* 0 to 0.04 m"):
         one.positions(0.05)

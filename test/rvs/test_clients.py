@@ -23,7 +23,7 @@ class Fragile:
 
     broken = True
 
-    def __init__(self, place):
+    def __init__(self, context):
         pass
 
     def show(self):

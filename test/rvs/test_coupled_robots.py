@@ -29,7 +29,7 @@ def test_a_page_has_a_slider_for_each_drive_and_moves_the_followers(name):
         value = chain.midrange()[drive] + 0.1
         page.set_joint(drive, value)
         wait_until(lambda: page._arm.q[drive] == value)
-        seen = page._layers[0]._place.seen
+        seen = page._layers[0]._context.seen
         poses = seen.tree.link_poses(page._arm.positions)
         np.testing.assert_allclose(poses[chain.tip], page._arm.tip, atol=1e-12)
         (table,) = [layer for layer in page._layers if type(layer).__name__ == "DHTableLayer"]

@@ -35,7 +35,7 @@ def test_the_slider_moves_the_fingers(hand):
     page, layer, connection = hand
     send_value(connection, layer._slider._impl.uuid, 0.06)
     wait_until(lambda: page._arm.positions[FINGERS[0]] == pytest.approx(0.03))
-    seen = page._layers[0]._place.seen
+    seen = page._layers[0]._context.seen
     T = seen.tree.link_poses(page._arm.positions)["panda_rightfinger"]
     at = {joint: page._arm.positions.get(joint, 0.0) for joint in seen.tree.joint_names}
     expected = poses_by_pinocchio(panda_with_hand(), at | dict.fromkeys(FINGERS, 0.03))

@@ -50,7 +50,7 @@ def test_an_ellipsoid_of_what_is_none_is_refused(page, commander, value):
     send_value(commander, control(page, "velocity ellipsoid")._impl.uuid, True)
     send_value(commander, control(page, "ellipsoids of")._impl.uuid, value)
     alive(page, commander)
-    assert understand(page)._kept["part"] == "translation"
+    assert understand(page)._saved["part"] == "translation"
     wait_until(lambda: "velocity" in understand(page)._nodes)
     node = understand(page)._nodes["velocity"]
     wait_until(lambda: np.allclose(node.position, page._arm.tip[:3, 3], atol=1e-6))
@@ -78,7 +78,7 @@ def test_dh_frames_follow_the_arm_and_go(page, commander):
     send_value(commander, switch._impl.uuid, True)
     wait_until(lambda: "normals" in layer._nodes._lines)
     alive(page, commander)
-    expected = dh_frames(table_of(page._arm.chain), page._arm.q, layer._place.seen.reach)
+    expected = dh_frames(table_of(page._arm.chain), page._arm.q, layer._context.seen.reach)
     lines, labels = layer._nodes._lines, layer._nodes._labels
     wait_until(lambda: np.allclose(lines["axes"].points, expected.axes, atol=1e-6))
     assert {one.text for one in labels if one.visible} == {*expected.names}

@@ -24,7 +24,7 @@ def test_a_click_on_a_crossing_moves_the_platform_to_that_mode(name):
     robot = load_parallel(name)
     with view(name, port=0) as page, Client(page).connect() as connection:
         layer = opened(page, connection)
-        platform = layer._place.platform
+        platform = layer._context.platform
         drives, before = platform.values, platform.tip
         send_value(connection, layer._box._impl.uuid, True)
         wait_until(lambda: "<svg" in layer._view._plot.content)
@@ -49,5 +49,5 @@ def test_a_click_on_a_crossing_moves_the_platform_to_that_mode(name):
 def test_a_platform_without_contours_says_which_have_some():
     with view("hexapod", port=0) as page, Client(page).connect() as connection:
         layer = opened(page, connection)
-        assert "contours" not in layer._place.offered
+        assert "contours" not in layer._context.offered
         assert "legs that end in pairs" in layer._folder._handles[-1].content

@@ -9,7 +9,7 @@ import numpy as np
 class DispatchSettings:
     """How many deliveries may wait, and when one has arrived or is given up (rad or m, and s).
 
-    The joints may be off start and goal by the tolerances. Waiting clients hear of it when the
+    The joints may be off start and goal by the tolerances. Waiting clients are notified when the
     controller is away for ``controller_timeout``. A motion may arrive ``arrival_timeout`` after its
     end. A robot that stands off its goal for ``standstill_timeout``, while a trajectory sent by
     topic should move it, was stopped. ``max_duration`` is that at the speed of the execution.

@@ -17,7 +17,7 @@ class QueueFullError(TrajectoryRefusedError):
 
     def __init__(self, capacity: int) -> None:
         self.capacity = capacity
-        super().__init__(f"{capacity} trajectories are waiting already, no more can be accepted")
+        super().__init__(f"the queue is full, with {capacity} waiting; send it again later")
 
 
 # A delivery, and where the robot is (n,), rad or m, if it can be sent; or, if it has waited
@@ -84,7 +84,7 @@ class ExecutionQueue:
         return [(self._waiting.popleft(), positions)]
 
     def _wait_for_states(self, delivery: ExecutionRequest, now: float) -> list[Taken]:
-        """Give up the first one once its joints were not heard of for too long.
+        """Give up the first one if states of its joints are missing for too long.
 
         The controller is there, so those behind it, which may name other joints, must not wait.
         """

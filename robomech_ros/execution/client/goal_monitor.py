@@ -58,7 +58,7 @@ class GoalMonitor:
 
     @property
     def _behind(self) -> bool:
-        """Whether joint states may have come that whoever was held up has not heard yet."""
+        """True if joint states may still be unread after a stall of this process."""
         return self._progress.silent > 0.0 and self._silence <= SILENCE_LIMIT
 
     def begin_anew(self) -> None:

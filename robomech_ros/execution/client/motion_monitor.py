@@ -16,7 +16,7 @@ NOTICEABLE = 10.0 * STILL
 class MotionMonitor:
     """Watches a robot that was sent a trajectory from a position (n,), rad or m.
 
-    Its joints had been heard of ``update_count`` times. It should follow ``curve`` from where it
+    Its joints had been received ``update_count`` times. It should follow ``curve`` from where it
     was. It has ``moved`` at all; two joint states that came since the trajectory should have ended
     are ``compared``, and it ``stands`` if it was at the same place then.
     """
@@ -25,28 +25,28 @@ class MotionMonitor:
         self.moved = self.stands = self.compared = False
         self.curve = curve_from(delivery.waypoints, position)
         self._delay, self._lasts, self._over = max(delivery.delay, 0.0), delivery.lasts, False
-        self._sent_at = self._heard_at = self._now = delivery.sent_at
-        self._heard = update_count
+        self._sent_at = self._received_at = self._now = delivery.sent_at
+        self._received = update_count
         self._last = self._anchor = position
         self._left_at = self._expected(delivery.sent_at)
         self._overdue_since: float | None = None
 
     @property
     def silent(self) -> float:
-        """How long the joints were not heard of, s."""
-        return self._now - self._heard_at
+        """Time since the last state of the joints, s."""
+        return self._now - self._received_at
 
     @property
     def stuck(self) -> float:
         """How long the robot is known to stand although the trajectory should have moved it, s."""
-        return 0.0 if self._overdue_since is None else self._heard_at - self._overdue_since
+        return 0.0 if self._overdue_since is None else self._received_at - self._overdue_since
 
     def look(self, now: float, position: Array | None, update_count: int) -> None:
-        """Note the present positions (n,), None if unknown, and how often all were heard of."""
+        """Note the present positions (n,), None if unknown, and the number of received states."""
         self._now = now
-        if position is None or update_count == self._heard:
+        if position is None or update_count == self._received:
             return
-        self._heard, self._heard_at = update_count, now
+        self._received, self._received_at = update_count, now
         self.compared = self._over
         self.stands = self._over and bool(np.max(np.abs(position - self._last)) <= STILL)
         self._last, self._over = position, now - self._sent_at >= self._lasts

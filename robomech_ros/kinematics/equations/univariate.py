@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinematics.equations.closure import ClosureEquations, Numbers, closure_equations
 from robomech_ros.kinematics.equations.crowded_roots import angles_beside
 from robomech_ros.kinematics.equations.half_angles import (
@@ -200,7 +201,7 @@ def univariate_roots(
     real = int(np.sum(np.all(q.imag == 0.0, axis=1)))
     reason = ""
     if len(q) != _DEGREE and missing != real:
-        reason = f"{missing} roots that may be real led to {real} postures"
+        reason = f"{counted(missing, 'root')} that may be real led to {counted(real, 'posture')}"
     return UnivariateRoots(*given, angles, condition, q, not reason, reason)
 
 

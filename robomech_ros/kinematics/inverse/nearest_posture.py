@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from robomech_ros._kernels.inverse.iterative import layout as at
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinematics.inverse.families.iterative import SearchGoal, iterative_data, task_data
 from robomech_ros.kinematics.inverse.families.iterative_search import (
     IterativeSearch,
@@ -57,7 +58,8 @@ def add_nearest(
         one = replace(search, q=search.best[None])
         return ranked_solutions(chain, T, request, iterative_family(chain, data), one, False)
     reason = (
-        f"{result.reason}; {chain.n} joints for {sum(request.task)} conditions: the posture "
+        f"{result.reason}; {counted(chain.n, 'joint')} for "
+        f"{counted(sum(request.task), 'condition')}: the posture "
         f"nearest in the sense of least squares misses by {search.position_error:.6g} m and "
         f"{search.orientation_error:.6g} rad"
     )

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from robomech_ros._kernels.inverse import branch_bits as bit
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinematics.inverse.closed_form import rank_solutions
 from robomech_ros.kinematics.inverse.equivalent_arms.coupled_joints import solve_coupled_joints
 from robomech_ros.kinematics.inverse.equivalent_arms.virtual_joints import solve_with_virtual_joints
@@ -137,13 +138,13 @@ def _reason(chain: SerialChain, request: Request, search: IterativeSearch) -> st
     count = sum(request.task)
     if chain.n > count:
         parts.append(
-            f"{chain.n} joints for {count} condition{'s' * (count != 1)}: the solutions form a "
+            f"{counted(chain.n, 'joint')} for {counted(count, 'condition')}: the solutions form a "
             "continuum, of which these are samples"
         )
     if search.timed_out:
         parts.append(
-            f"the search was cut short after {request.timeout:g} s and {search.attempts} starts: "
-            "there may be more solutions, and nearer ones"
+            f"the search was cut short after {request.timeout:g} s and "
+            f"{counted(search.attempts, 'start')}: there may be more solutions, and nearer ones"
         )
     return "; ".join(parts)
 
@@ -168,7 +169,7 @@ def _explained(
             chain, T, gap, request.task, respect_limits=request.respect_limits, deadline=deadline
         )
         return no_solution(chain, T, family, status, reason)
-    reason = f"no solution after {search.attempts} starts; {_best(search)}"
+    reason = f"no solution after {counted(search.attempts, 'start')}; {_best(search)}"
     return no_solution(chain, T, family, Status.NOT_CONVERGED, reason)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.special import comb
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinematics.forward import forward_kinematics
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.kinetostatics.jacobians import jacobian
@@ -102,7 +103,7 @@ def minors_of(chain: SerialChain) -> Minors:
         instead="with mimic joints nearest_singular_posture finds singular postures, without proof"
     )
     if not 1 <= chain.n <= _MOST_JOINTS:
-        named = f"{chain.name} with {chain.n} joints"
+        named = f"{chain.name} with {counted(chain.n, 'joint')}"
         raise BadValueError("chain", named, f"one of 1 to {_MOST_JOINTS} joints")
     size, rank = arm_size(chain), generic_rank(chain)
     pairs = itertools.product(

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinematics.axis_points import common_point, nearest_points
 from robomech_ros.kinematics.joint_values import check_chain
 from robomech_ros.kinematics.tolerances import CONCURRENT
@@ -52,7 +53,7 @@ def positioning_part(chain: SerialChain) -> PositioningPart:
         if 3 <= chain.n <= 6 and not chain.types[3:].any():
             height = _height_on_axis_4(C, chain.n)
     if height is None:
-        raise BadValueError("chain", f"{chain.name}, {chain.n} joints", _EXPECTED)
+        raise BadValueError("chain", f"{chain.name}, {counted(chain.n, 'joint')}", _EXPECTED)
     point: Array = (C[joints] @ (0.0, 0.0, height, 1.0))[:3]
     # On all later axes, the point stays where it is whatever their joints do.
     pose = np.eye(4)

@@ -48,11 +48,11 @@ class TfTrack:
         return self._listener.tree.between(self.parent, self._child, stamp).pose
 
     def context(self) -> str:
-        """Say what else was heard, where there is no pose."""
+        """List what else was received if there is no pose."""
         listener = self._listener
         if listener.missing:
             return ""
-        fault = f"; heard, but of no use: {listener.fault}" if listener.fault else ""
+        fault = f"; rejected messages: {listener.fault}" if listener.fault else ""
         topics = " and ".join(f"'{topic}'" for topic in listener.topics)
         known = shortened(listener.tree.frames, _MOST_LISTED) or "none"
         return f", on {topics}{fault}; known frames: {known}"
@@ -104,8 +104,8 @@ class TopicTrack:
         return self._tree.between(self.parent, self._inbox.topic, stamp).pose
 
     def context(self) -> str:
-        """Say what was wrong with poses that came."""
-        return f"; heard, but of no use: {self._fault}" if self._fault else ""
+        """Say why received poses were rejected."""
+        return f"; rejected messages: {self._fault}" if self._fault else ""
 
 
 PoseTrack = TfTrack | TopicTrack

@@ -139,7 +139,7 @@ def refuse_of_kind(
     Raises OptionRefusedError: it names the option, and those that apply.
     """
     refused = *kind.refused, *besides
-    refuse_options(args, refused, args.robot, f"a {kind.called}", _OF_SERVO)
+    refuse_options(args, refused, args.robot, f"a {kind.kind_name}", _OF_SERVO)
 
 
 def _check_parallel(args: argparse.Namespace, robot: DescribedRobot) -> None:

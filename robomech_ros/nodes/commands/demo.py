@@ -56,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=Path("demo_output"),
         help="folder for the plot and the page (demo_output)",
     )
-    shown = [f"{one.called}s" for one in KIND_NODES.values() if one.demonstration]
+    shown = [f"{one.kind_name}s" for one in KIND_NODES.values() if one.demonstration]
     others = {kind: (*REFUSED[kind], *_ARM_OPTIONS) for kind in shown}
     note_kinds(parser, {"parallel robots": _REFUSED_BY_PLATFORMS, **others})
 
@@ -69,7 +69,7 @@ def _kind(args: argparse.Namespace) -> NodesOfKind | None:
     own = KIND_NODES.get(kind)
     if own is not None:
         if not own.demonstration:
-            expected = f"a robot with a demonstration: a {own.called} has none"
+            expected = f"a robot with a demonstration: a {own.kind_name} has none"
             raise BadValueError("--robot", args.robot, expected)
         own.load(args.robot)
         refuse_of_kind(args, own, _ARM_OPTIONS)

@@ -114,7 +114,7 @@ def _gripper(model: RobotModel, settings: GripperNames) -> GripperModel:
 
 
 def _end(gripper: GripperModel, wanted: str) -> float:
-    low, high = gripper.ends
+    low, high = gripper.limits
     if gripper.opening is None:
         name, unit = gripper.joints[0].name, gripper.unit
         raise BadValueError(

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from robomech_ros.errors import BadValueError, UnknownJointError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.nodes.commands.call import EXIT_NO_ANSWER, seconds_to_wait
 from robomech_ros.plotting.joint_motions import plot_motion
 from robomech_ros.robots import load_description
@@ -72,7 +73,8 @@ def run(args: argparse.Namespace) -> int:
         prismatic=prismatic,
         limits=limits[: len(curves)],
     )
-    print(f"{path}: {len(names)} joints, {len(points.times)} points, {points.times[-1]:g} s")
+    count = counted(len(names), "joint")
+    print(f"{path}: {count}, {counted(len(points.times), 'point')}, {points.times[-1]:g} s")
     return 0
 
 

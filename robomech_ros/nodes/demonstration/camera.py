@@ -65,9 +65,9 @@ def scene_of(chain: SerialChain, q: Array, in_hand: bool) -> Scene:
 class SimulatedCamera:
     """Looks at the joint states, and tells tf or a topic where the target is.
 
-    - ``client``: hears the joints, and speaks.
+    - ``client``: receives the joint states and publishes.
     - ``noise``: deviation of each coordinate of its rotations (rad) and positions (m).
-    - ``on_tf``: whether it speaks on /tf; else on topics, the hand's pose, too.
+    - ``on_tf``: whether it publishes on /tf; else on topics, with the pose of the hand.
     - ``mistaken``: whether it takes the target for one that is turned by 90 degrees.
     """
 

@@ -72,12 +72,12 @@ class DemoClient:
 
     @property
     def present(self) -> Array:
-        """The joint positions heard last, shape (n,) (rad or m)."""
+        """The last received joint positions, shape (n,) (rad or m)."""
         return self._rows[-1][1]
 
     @property
     def state(self) -> JointState:
-        """Joint state with the positions heard last."""
+        """Joint state with the last received positions."""
         return joint_state(self._names, self.present)
 
     def recording(self) -> tuple[Array, Array, Array]:
@@ -90,11 +90,11 @@ class DemoClient:
 
     @property
     def began(self) -> float:
-        """ROS time (s) of the first joint state heard, from which the recording counts."""
+        """ROS time (s) of the first received joint state, at which the recording starts."""
         return self._rows[0][0]
 
     def now(self) -> float:
-        """Return the time of the recording, s: that of the last joint state heard."""
+        """Return the time of the recording, s: that of the last received joint state."""
         return self._rows[-1][0] - self._rows[0][0] if self._rows else 0.0
 
     def wait_until_up(self, services: dict[str, Any]) -> None:

@@ -127,7 +127,7 @@ class DriveTask:
         if not self._client.wait(is_up, _TIMEOUT):
             topic = self._commands.topic_name
             raise DemoFailedError(
-                f"after {_TIMEOUT:g} s no odometry comes, or nobody hears '{topic}'"
+                f"after {_TIMEOUT:g} s no odometry comes, or '{topic}' has no subscriber"
             )
 
     @property

@@ -24,7 +24,7 @@ _STRAIGHT = 1e-9
 class PathFollower:
     """Follows a path: where it is to be goes on as long as the base is near.
 
-    Clocks and delays do not matter: a base that hears nothing for a while brakes, and goes on.
+    Clocks and delays do not matter: a base without commands for a while brakes, and goes on.
 
     - ``axle``: position (m) and heading (rad) of a fixed axle in the base, shape (3,); None for a
       base that can go sideways.

@@ -43,10 +43,7 @@ _PROFILES = {"RUCKIG": PlanJoint.Request.RUCKIG, "POLY345": PlanJoint.Request.PO
 
 
 def carry(client: DemoClient, mass: float) -> None:
-    """Have the robot carry a mass (kg) that the controller of its drives does not know of.
-
-    It takes the place of what the robot carries.
-    """
+    """Replace the robot's load by a mass (kg) that is unknown to its drive controller."""
     change_parameters(client, {"payload_mass": mass})
 
 
@@ -161,16 +158,16 @@ class PickAndPlace:
         request = PlanCartesian.Request(
             start=self._client.state,
             waypoints=[stamped_pose(pose, self._robot.base) for pose in path.waypoints],
-            path=getattr(PlanCartesian.Request, path.path),
+            path=getattr(PlanCartesian.Request, path.path_kind),
             profile=PlanCartesian.Request.TIME_OPTIMAL,
         )
         response = self._client.call("trajectory_planner/plan_cartesian", request)
         points = response.trajectory.points
         duration = seconds_from_duration(points[-1].time_from_start, "time_from_start")
-        leg = Leg(path.name, path.path, duration, float("nan"))
+        leg = Leg(path.name, path.path_kind, duration, float("nan"))
         self._reporter.say(
-            f"planned {path.path}: {duration:.2f} s, {len(points)} points, all of the path within "
-            "the limits of every joint"
+            f"planned {path.path_kind}: {duration:.2f} s, {len(points)} points, all "
+            "within the limits of every joint"
         )
         self._execute(leg, response.trajectory, goal, T)
 

@@ -35,7 +35,7 @@ class TipPath(NamedTuple):
     #: Name of the motion.
     name: str
     #: A kind of PlanCartesian, such as ``"STRAIGHT"``.
-    path: str
+    path_kind: str
     #: Poses of the tip in the base (m), shape (m, 4, 4).
     waypoints: Array
 

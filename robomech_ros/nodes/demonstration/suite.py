@@ -49,7 +49,7 @@ def running_suite(commands: Mapping[str, Sequence[str]]) -> Iterator[Suite]:
     """Start the nodes, and stop them at the end whatever happens.
 
     The variables that choose domain and discovery range are set in this process, too, so that
-    what it starts next hears the nodes and nobody else.
+    processes that it starts next discover these nodes only.
     """
     with (
         free_domain() as domain,

@@ -1,4 +1,4 @@
-"""Frames of a robot that are heard from others on /tf and /tf_static."""
+"""Frames of a robot that other nodes publish on /tf and /tf_static."""
 
 import random
 from collections import Counter
@@ -48,7 +48,7 @@ class MovingFrames:
         self.others = OtherPublishers(node, publisher.topic)
         silence = SILENCE + random.uniform(0.0, BY_CHANCE)
         self._silence = max(2, round(silence * rate))
-        # When a frame was heard of last, in turns of the publisher: simulated time may stand.
+        # Last receipt of a frame, in cycles of the publisher: simulated time may stand still.
         self._received: dict[str, int] = {}
         self._own: Counter[tuple[int, frozenset[str]]] = Counter()
         self._inbox: Inbox | None = None

@@ -18,6 +18,7 @@ from robomech_interfaces.srv import (
 )
 from robomech_ros.dynamics import ChainDynamics, DynamicSystem, FloatingDynamics, torque_summary
 from robomech_ros.errors import RobomechError, WrongSizeError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.nodes.common.joints.joint_positions import JointPositions
 from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
@@ -86,7 +87,7 @@ class DynamicsNode(Node):
         system.mass_matrix(self._drives.home)
         self.get_logger().info(
             f"ready: {system.name}, {chain.base} to {chain.tip}, "
-            f"{len(system.joint_names)} joints, moving mass {system.mass:.4g} kg"
+            f"{counted(len(system.joint_names), 'joint')}, moving mass {system.mass:.4g} kg"
         )
 
     @guarded

@@ -48,7 +48,7 @@ class FrameListener:
         except ImportError as error:
             absent = getattr(error, "name", "") == "tf2_msgs"
             why = "the package tf2_msgs is not installed" if absent else error
-            self.missing = f"frames of tf are not heard: {why}"
+            self.missing = f"frames of tf are not received: {why}"
             return
         self._kind = TFMessage
         self._moving = Inbox(node, TFMessage, "/tf", _DEPTH)

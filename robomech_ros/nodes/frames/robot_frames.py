@@ -28,7 +28,7 @@ Positions = Mapping[str, Any]
 # Some senders date their news ahead, so that they hold until the next ones; from farther ahead, s,
 # they would never get too old.
 _MAX_AHEAD = WINDOW / NANO
-# A frame that nobody speaks of is waited for no longer, s, once others are heard of.
+# Longest wait (s) for an unknown frame after other frames have been received.
 _UNKNOWN_FRAME_WAIT = 0.5
 
 
@@ -247,7 +247,7 @@ class RobotFrames:
         """Say what was not found, and what there is."""
         why, listener, model = str(error), self._listener, self.model
         if not listener.missing and model.full_frame(frame) not in listener.tree:
-            said = f"; heard, but of no use: {listener.fault}" if listener.fault else ""
+            said = f"; rejected messages: {listener.fault}" if listener.fault else ""
             topics = " and ".join(f"'{topic}'" for topic in listener.topics)
             own = model.link_of(frame) in model.description.links
             link = "no chain from the base leads to it" if own else "the robot has no such link"

@@ -110,7 +110,7 @@ class FrameTree:
     def path_to_root(self, frame: str, stamp: int | None = None) -> list[str]:
         """List a frame, its parent and so on up to the root of its tree.
 
-        - ``stamp``: instant (ns) for frames that change their parents; default what was heard last.
+        - ``stamp``: instant (ns) for frames that change their parents; default the last received.
 
         Raises NoTransformError: there is no such frame, or its parents form a circle.
         """
@@ -131,7 +131,7 @@ class FrameTree:
     def between(self, target: str, source: str, stamp: int | None = None) -> TransformResult:
         """Find where a frame is in another one.
 
-        - ``stamp``: instant (ns); default the last for which every frame on the way was heard of.
+        - ``stamp``: instant (ns); default the last received for every frame on the path.
 
         Raises NoTransformError: a frame is not known, the two belong to different trees, the way is
         a circle, or the instant is not among those kept.

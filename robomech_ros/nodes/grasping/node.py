@@ -11,6 +11,7 @@ from rclpy.node import Node
 from robomech_interfaces.srv import AnalyzeGrasp, ContactForces, SolveGrasp
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.hands import (
     ForceStatus,
     contact_forces,
@@ -70,7 +71,7 @@ class GraspingNode(Node):
         serve(self, SolveGrasp, "~/solve_grasp", self._solve_grasp)
         if find_spec("clarabel") is None:
             self.get_logger().warning(f"no ~/contact_forces: {ConicSolverUnavailableError()}")
-        name = "no hand" if hand is None else f"{hand.name}, {len(hand.fingers)} fingers"
+        name = "no hand" if hand is None else f"{hand.name}, {counted(len(hand.fingers), 'finger')}"
         self.get_logger().info(f"ready: {name}")
 
     def stop(self) -> None:

@@ -10,6 +10,7 @@ from builtin_interfaces.msg import Time
 from control_msgs.action import FollowJointTrajectory
 
 from robomech_ros.errors import BadValueError, RobomechError, UnknownJointError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult, TrajectoryGoal
 from robomech_ros.execution.joints import State
 from robomech_ros.execution.motion_tolerances import NONE, Tolerances
@@ -57,7 +58,7 @@ class FollowMessages:
         """
         compound = message.multi_dof_trajectory
         if compound.joint_names or compound.points:
-            named = ", ".join(compound.joint_names[:5]) or f"{len(compound.points)} points"
+            named = ", ".join(compound.joint_names[:5]) or counted(len(compound.points), "point")
             raise _CompoundJointError(
                 f"multi_dof_trajectory has {named}, expected nothing: the robot has no joint of "
                 "several degrees of freedom"

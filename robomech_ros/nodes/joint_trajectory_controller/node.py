@@ -8,6 +8,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.task import Future
 
+from robomech_ros.errors.formatting import counted
 from robomech_ros.execution.controller.follower import Phase
 from robomech_ros.execution.controller.simulated_joints import Faults
 from robomech_ros.nodes.common.cooperative_wait import wake
@@ -153,7 +154,7 @@ class JointTrajectoryControllerNode(Node):
     def _log_start(self, robot: SimulatedRobot) -> None:
         settings = self._settings
         kind = f" by {settings.dynamic_control}" if robot.dynamic else ""
-        rate = f"{len(robot.shown_names)} joints at {settings.publish_rate:g} Hz"
+        rate = f"{counted(len(robot.shown_names), 'joint')} at {settings.publish_rate:g} Hz"
         self.get_logger().info(f"ready: {robot.name} simulated{kind}, {rate}")
         if self._gripper is not None:
             self.get_logger().info(f"gripper: {self._gripper.says()}")

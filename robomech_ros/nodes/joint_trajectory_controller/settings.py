@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robomech_ros.errors.formatting import counted
 from robomech_ros.execution.controller.follower_settings import FollowerSettings
 from robomech_ros.execution.controller.simulated_joints import Faults
 from robomech_ros.nodes.common.parameters import ParameterError, changeable, parameter
@@ -277,7 +278,7 @@ def initial_position(settings: ControllerSettings, limits: Limits, home: Array) 
         return home
     position, names = np.array(given), limits.joint_names
     if len(position) != len(names):
-        allowed = f"a list of {len(names)} numbers, for {', '.join(names)}, or empty"
+        allowed = f"a list of {counted(len(names), 'number')}, for {', '.join(names)}, or empty"
         raise ParameterError("initial_positions", list(given), allowed)
     for joint, value, low, high, unit in zip(
         names, given, limits.lower, limits.upper, limits.units, strict=True
@@ -303,7 +304,7 @@ def faults_of(
             raise ParameterError("fault_stuck_joints", settings.fault_stuck_joints, allowed)
     offset = settings.fault_offset
     if offset and len(offset) != len(names):
-        allowed = f"a list of {len(names)} numbers, for {', '.join(names)}, or empty"
+        allowed = f"a list of {counted(len(names), 'number')}, for {', '.join(names)}, or empty"
         raise ParameterError("fault_offset", list(offset), allowed)
     return Faults(
         stuck=np.isin(names, stuck),

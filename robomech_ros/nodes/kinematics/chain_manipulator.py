@@ -10,6 +10,7 @@ from sensor_msgs.msg import JointState
 from visualization_msgs.msg import Marker
 
 from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinematics import forward_kinematics, inverse_kinematics, inverse_kinematics_batch
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.first_solution import first_solution
@@ -56,7 +57,7 @@ class ChainManipulator:
         family = inverse_kinematics(chain, forward_kinematics(chain, chain.midrange())).family
         self.closed_form = family_of(chain).closed_form
         self.introduction = (
-            f"{chain.name}, {chain.base} to {chain.tip}, {chain.n} joints, "
+            f"{chain.name}, {chain.base} to {chain.tip}, {counted(chain.n, 'joint')}, "
             f"inverse kinematics: {family}"
         )
 
@@ -216,5 +217,5 @@ def _summary(report: SingularityReport) -> str:
             f"and condition number {largest / least:.4g} with lengths over {report.length:.4g} m"
         )
     lost = len(report.lost_directions)
-    directions = f"{lost} direction{'s' if lost != 1 else ''} of motion lost"
+    directions = f"{counted(lost, 'direction')} of motion lost"
     return f"singular ({', '.join(report.kinds)}): rank {report.rank}, {directions}"

@@ -7,6 +7,7 @@ import numpy as np
 from sensor_msgs.msg import PointCloud2, PointField
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.nodes.common.messages.error_codes import answer
 from robomech_ros.nodes.common.messages.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.messages.message_fields import (
@@ -176,5 +177,5 @@ def answer_in_time(response: Any, done: int, poses: int, allowed: float) -> Any:
     """Finish the answer about many poses, of which some were done in the allowed time (s)."""
     if done == poses:
         return answer(response)
-    text = f"{poses - done} of {poses} poses were left after {allowed:g} s"
+    text = f"{done} of {counted(poses, 'pose')} solved in {allowed:g} s"
     return answer(response, Code.TIMED_OUT, f"{text}, the parameter batch_timeout")

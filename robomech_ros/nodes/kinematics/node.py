@@ -20,6 +20,7 @@ from robomech_interfaces.srv import (
     SolveIKBatch,
 )
 from robomech_ros.errors import RobomechError, WrongSizeError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.cooperative_wait import TimeSlices, Worker
 from robomech_ros.nodes.common.joints.joint_positions import JointPositions, Linkage
@@ -169,7 +170,7 @@ class KinematicsNode(Node):
     def _check_size(self, what: str, poses: int) -> None:
         largest = self._table.settings.max_batch_size
         if poses > largest:
-            expected = f"at most {largest} poses, the parameter max_batch_size"
+            expected = f"at most {counted(largest, 'pose')}, the parameter max_batch_size"
             raise WrongSizeError(what, poses, expected)
 
     @guarded

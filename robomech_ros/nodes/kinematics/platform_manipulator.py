@@ -10,6 +10,7 @@ from sensor_msgs.msg import JointState
 from visualization_msgs.msg import Marker
 
 from robomech_ros.errors import BadValueError, RobomechError, SingularPostureError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinetostatics import point_jacobian
 from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.joints.joint_positions import JointPositions
@@ -45,7 +46,7 @@ class PlatformManipulator:
         mechanism = model.mechanism
         self.introduction = (
             f"{mechanism.name}, {mechanism.base_link} to {mechanism.platform_link}, "
-            f"{mechanism.n} joints, {mechanism.dof} drives"
+            f"{counted(mechanism.n, 'joint')}, {counted(mechanism.dof, 'drive')}"
         )
 
     def linkage_to(self, link: str) -> Mechanism:
@@ -98,7 +99,7 @@ class PlatformManipulator:
         if not len(found):
             raise OutcomeError(found.status, f"{what}: {found.reason}")
         known = "these are all" if found.complete else "there may be more"
-        count = f"{len(found)} assembly mode{'s' if len(found) != 1 else ''}"
+        count = counted(len(found), "assembly mode")
         text = f"{count} ({found.family}), {known}"
         if found.reason:
             text += f"; {found.reason}"

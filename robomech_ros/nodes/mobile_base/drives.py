@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from robomech_ros.errors.formatting import counted
 from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.mobile_base.settings import MobileBaseSettings
 from robomech_ros.rolling import (
@@ -232,7 +233,7 @@ def _checked(joints: WheelJoints) -> WheelJoints:
 
 def _count(name: str, given: Sequence[str], expected: int) -> None:
     if len(given) != expected:
-        raise ParameterError(name, list(given), f"a list of {expected} names")
+        raise ParameterError(name, list(given), f"a list of {counted(expected, 'name')}")
 
 
 _MAKERS = {

@@ -11,6 +11,7 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.nodes.middleware.queue_depth import serve, serve_action
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.move_group.execution import Execution
@@ -92,7 +93,9 @@ class MotionServices:
             if trajectory.multi_dof_joint_trajectory.points:
                 with refused_as(MoveItErrorCodes.INVALID_MOTION_PLAN):
                     count = len(trajectory.multi_dof_joint_trajectory.points)
-                    raise BadValueError("multi_dof_joint_trajectory", f"{count} points", "none")
+                    raise BadValueError(
+                        "multi_dof_joint_trajectory", counted(count, "point"), "none"
+                    )
             handle.publish_feedback(ExecuteTrajectory.Feedback(state="MONITOR"))
             code, text = await self._run(handle, trajectory.joint_trajectory)
             return code, "; ".join(filter(None, (text, self._execution.unchecked)))

@@ -29,8 +29,8 @@ _AHEAD = 5.0
 _GRID, _FASTEST_CLOCK, _MARGIN = 0.02, 4.0, 0.5
 _MOST_SAMPLES = 20_000
 _LATE = (
-    "a change of the scene was checked after up to {:.2g} s, at most {:g} s are allowed; "
-    "lighten the load of the machine, or change the scene less often"
+    "the scene changed up to {:.2g} s before the check of the motion ended, over the limit of "
+    "{:g} s: free processor time, or change the scene less often"
 )
 # Number of postures that are searched for the largest depth.
 _DEPTHS = 100

@@ -8,6 +8,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.joints.joint_limits import robot_limits
 from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
@@ -110,7 +111,9 @@ class MoveGroupNode(Node):
         execution = Execution(self, robot, scenes, settings)
         self._motions = MotionServices(self, self._planning, execution)
         text = f"; {scenes.unchecked}" if scenes.unchecked else ""
-        self.get_logger().info(f"ready: {model.chain.name}, {model.chain.n} joints{text}")
+        self.get_logger().info(
+            f"ready: {model.chain.name}, {counted(model.chain.n, 'joint')}{text}"
+        )
         # The first plan does not wait for it.
         self._worker.begin(ompl)
         self._worker.begin(settle_pages)

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from moveit_msgs.msg import MoveItErrorCodes
 
+from robomech_ros.errors.formatting import counted
 from robomech_ros.nodes.common.messages.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
 from robomech_ros.nodes.moveit.constraints import Conditions, frames_of
@@ -78,7 +79,8 @@ def _links_and_poses(request: Any, most: int) -> tuple[list[str], list[Any]]:
     poses = list(request.pose_stamped_vector) or [request.pose_stamped]
     links = list(request.ik_link_names) or [request.ik_link_name]
     if len(links) != len(poses):
-        reason = f"{len(links)} names in ik_link_names for {len(poses)} poses, expected one of each"
+        count = counted(len(links), "link")
+        reason = f"{count} in ik_link_names, expected one per pose: {len(poses)}"
         raise RejectedError(MoveItErrorCodes.INVALID_LINK_NAME, reason)
     if len(poses) > most:
         reason = f"pose_stamped_vector has {len(poses)} poses, expected at most one a joint: {most}"

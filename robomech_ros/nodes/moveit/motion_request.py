@@ -170,8 +170,8 @@ def _refuse_unserved(request: Any) -> None:
         if listed:
             raise RejectedError(
                 _INVALID,
-                f"{name} has {len(listed)} entries, expected none: a motion to a goal cannot be "
-                "planned with them; compute_cartesian_path accepts path_constraints",
+                f"{name} has length {len(listed)}, expected an empty list: no motion to a goal can "
+                "be planned with them; compute_cartesian_path accepts path_constraints",
             )
 
 

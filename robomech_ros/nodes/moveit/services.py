@@ -12,6 +12,7 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 
 from robomech_ros.errors import WrongSizeError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
 from robomech_ros.kinematics.inverse.result.status import Status
 from robomech_ros.nodes.common.cooperative_wait import TimeSlices
@@ -146,8 +147,8 @@ def _first_that_holds(
             return positions, ""
         first, count = first or broken, count + 1
     whole = count == math.prod(map(len, results)) and all(result.complete for result in results)
-    found = f"all {count}" if whole else f"the {count} known"
-    return {}, f"{found} solutions break a constraint or touch something; the nearest: {first}"
+    tried = f"{counted(count, 'solution')} tried, {'these are all' if whole else 'more may exist'}"
+    return {}, f"no solution keeps the constraints without contact ({tried}); the nearest: {first}"
 
 
 def _combinations(counts: Sequence[int]) -> list[tuple[int, ...]]:

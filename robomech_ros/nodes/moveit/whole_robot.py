@@ -56,7 +56,7 @@ class WholeRobot:
         for field in ("joint_names", "transforms", "twist", "wrench"):
             entries = getattr(compound, field)
             if entries:
-                given = list(compound.joint_names) or f"{len(entries)} entries"
+                given = list(compound.joint_names) or f"a list of length {len(entries)}"
                 expected = "none: the robot has no joint of several freedoms"
                 raise BadValueError(f"{what}.multi_dof_joint_state.{field}", given, expected)
         joints = state.joint_state

@@ -15,7 +15,7 @@ from robomech_ros.rolling import rolling_robot
 class NodesOfKind:
     """Nodes for robots of one kind."""
 
-    called: str  #: Name of the kind, for messages.
+    kind_name: str  #: Name of the kind, for messages.
     nodes: tuple[str, ...]  #: Names of its nodes, in the order in which they are started.
     #: Loads a robot by name or path, and raises a ``RobomechError`` where that cannot be.
     load: Callable[[str], object]
@@ -45,7 +45,7 @@ def _loader(function: str) -> Callable[[str], object]:
 
 KIND_NODES = {
     "rolling": NodesOfKind(
-        called="rolling robot",
+        kind_name="rolling robot",
         nodes=("mobile_base",),
         simulator="mobile_base",
         load=rolling_robot,
@@ -55,13 +55,13 @@ KIND_NODES = {
         demonstration="robomech_ros.nodes.demonstration.rolling_session",
     ),
     "hand": NodesOfKind(
-        called="hand",
+        kind_name="hand",
         nodes=("grasping",),
         load=_loader("hands:load_hand"),
         refused=(*_OF_ARMS, "rate", "dynamic", "view", "view_port", "view_host"),
     ),
     "walking": NodesOfKind(
-        called="walking machine",
+        kind_name="walking machine",
         nodes=("joint_trajectory_controller", "walker"),
         simulator="joint_trajectory_controller",
         load=_loader("walking:load_legged"),
@@ -73,5 +73,5 @@ KIND_NODES = {
 # What of the options of bringup parallel robots and each of these kinds have no use for.
 REFUSED = {
     "parallel robots": ("joint_limits", "srdf", "group", "move_group"),
-    **{f"{one.called}s": one.refused for one in KIND_NODES.values()},
+    **{f"{one.kind_name}s": one.refused for one in KIND_NODES.values()},
 }

@@ -11,10 +11,10 @@ from rclpy.node import Node
 from robomech_ros.nodes.rvs.poll_thread import PollThread
 from robomech_ros.rvs.model.running.jog import HoldHeartbeat, JogSwitch
 
-Held = TypeVar("Held")
+Command = TypeVar("Command")
 
 
-class JogThread(ABC, Generic[Held]):
+class JogThread(ABC, Generic[Command]):
     """Sends commands from a thread of its own, which nothing else delays.
 
     The module :mod:`robomech_ros.rvs.model.running.jog` says what ends a press, and how soon.
@@ -30,19 +30,19 @@ class JogThread(ABC, Generic[Held]):
     ) -> None:
         self._clock, self._logger = node.get_clock(), node.get_logger()
         self._period, self._complain = period, complain
-        self._switch = JogSwitch[Held](silence, time.monotonic)
+        self._switch = JogSwitch[Command](silence, time.monotonic)
         self._thread = threading.Thread(target=self._run, name="jog", daemon=True)
         self._thread.start()
 
     @abstractmethod
-    def send(self, what: Held, moves: bool) -> None:
+    def send(self, what: Command, moves: bool) -> None:
         """Send the command for what is held, and whether to move; or to stand."""
 
     @abstractmethod
-    def missing(self, what: Held) -> str:
+    def missing(self, what: Command) -> str:
         """Say why that cannot be followed now; empty for nothing."""
 
-    def press(self, what: Held, beat: HoldHeartbeat) -> None:
+    def press(self, what: Command, beat: HoldHeartbeat) -> None:
         """Go on with a press, or begin one."""
         self._switch.hold(what, beat.press, beat.age)
 
@@ -72,7 +72,7 @@ class JogThread(ABC, Generic[Held]):
 
     def _jog(self) -> None:
         """Command what is held, and then to stand."""
-        last: Held | None = None
+        last: Command | None = None
         while (jog := self._switch.held()) is not None:
             missing = self.missing(jog)
             if missing or last is None:

@@ -18,7 +18,7 @@ from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.robots import PRISMATIC, SerialChain
 from robomech_ros.rvs import Motion
 from robomech_ros.rvs.model.running.jog import JogDirection
-from robomech_ros.rvs.model.running.live_robot import ServoNews, ViewMarker
+from robomech_ros.rvs.model.running.live_robot import ServoState, ViewMarker
 from robomech_ros.typing import Array
 
 # Of one plan, and of one marker; more would hold the page up.
@@ -68,9 +68,9 @@ def motion_from_trajectory(
     return followed_motion(mechanism, given.times, given.positions, qd, qdd, q)
 
 
-def servo_news(status: ServoStatus) -> ServoNews:
-    """Read what limits the motion."""
-    return ServoNews("" if status.code in _SILENT else status.message, float(status.scale))
+def servo_state(status: ServoStatus) -> ServoState:
+    """Read the limits on the motion from a status message."""
+    return ServoState("" if status.code in _SILENT else status.message, float(status.scale))
 
 
 def joint_jog(

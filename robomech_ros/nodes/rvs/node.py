@@ -5,6 +5,7 @@ from typing import Any
 
 from rclpy.node import Node
 
+from robomech_ros.errors.formatting import counted
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.common.robot.robot_description import RobotModel
@@ -59,7 +60,7 @@ class RvsNode(Node):
         StatusReport(self, "view", name, self._condition)
         # Not logged: the log goes to a topic that everybody reads, and the address has the token.
         print(f"{self.get_fully_qualified_name()}: open {self._page.url}", flush=True)
-        self.get_logger().info(f"ready: {name}, {joints} joints")
+        self.get_logger().info(f"ready: {name}, {counted(joints, 'joint')}")
 
     @property
     def url(self) -> str:
@@ -75,7 +76,7 @@ class RvsNode(Node):
 
     def _condition(self) -> NodeHealth:
         browsers, fault = self._page.browsers, self._robot.condition
-        summary = f"{browsers} browsers" if browsers else "nobody looks"
+        summary = counted(browsers, "browser") if browsers else "nobody looks"
         values = {
             "address": self._page.url.partition("?")[0],
             "browsers": browsers,

@@ -15,11 +15,11 @@ from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.robot.floating_base import FloatingRobot
 from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.middleware.polled_subscription import Inbox
-from robomech_ros.nodes.rvs.messages import servo_news
+from robomech_ros.nodes.rvs.messages import servo_state
 from robomech_ros.nodes.rvs.poll_thread import DEPTH, PollThread
 from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.nodes.servo.status import status_topic
-from robomech_ros.rvs.model.running.live_robot import ServoNews
+from robomech_ros.rvs.model.running.live_robot import ServoState
 
 if TYPE_CHECKING:
     from robomech_ros.rvs.layers.live import LiveLayer
@@ -44,13 +44,13 @@ class StateFeed(PollThread):
         self._odometry = Inbox(node, Odometry, "odom", DEPTH) if floats else None
         #: Latest known joints (rad or m), while somebody looks.
         self.positions: dict[str, float] = {}
-        self._servo: ServoNews | None = None
+        self._servo: ServoState | None = None
         self._servo_at = -math.inf
         self._thread.start()
 
     @property
     def servo_is_silent(self) -> bool:
-        """Whether the servo was heard of, and is no more, while somebody looks."""
+        """True if messages of the servo have stopped while a browser is connected."""
         return math.isfinite(self._servo_at) and self._since_servo > _SERVO_TIMEOUT
 
     @property
@@ -71,7 +71,7 @@ class StateFeed(PollThread):
     def fault(self, now: float) -> str:
         """Show what the servo says, and say what is wrong with the joint states."""
         for status in self._inbox.take():
-            self._servo, self._servo_at = servo_news(status), now
+            self._servo, self._servo_at = servo_state(status), now
         self._view.show_servo(None if self._since_servo > _SERVO_TIMEOUT else self._servo)
         age = now - self._updated_at
         if age <= self._settings.state_timeout:

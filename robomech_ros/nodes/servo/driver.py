@@ -145,7 +145,7 @@ class Driver:
 
     def _has_said_all(self, now: float) -> bool:
         """Whether nobody commands, and enough messages have shown the plan to stop."""
-        if self._servo.wants_to_move(now) or self.stream.has_news():
+        if self._servo.wants_to_move(now) or self.stream.end_moved():
             self._repeats = 0
             return False
         self._repeats += 1

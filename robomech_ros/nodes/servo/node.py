@@ -10,6 +10,7 @@ from rclpy.node import Node
 from std_srvs.srv import SetBool
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinetostatics.singularities.generic_rank import scaling_length
 from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock
@@ -76,7 +77,7 @@ class ServoNode(Node):
         )
         serve(self, SetBool, "~/pause_servo", self._pause)
         self.get_logger().info(
-            f"ready: {model.chain.name}, {model.chain.n} joints, "
+            f"ready: {model.chain.name}, {counted(model.chain.n, 'joint')}, "
             f"{settings.publish_rate:g} Hz to '{driver.stream.topic}'"
         )
         # The search for the length has loaded more.

@@ -90,12 +90,12 @@ class StreamPublisher:
             enough = min(lead.needed, self._most)
             self._logger.warning(
                 f"points for the controller come up to {1e3 * lead.latest:.0f} ms late, as on a "
-                f"busy machine: while that goes on, the lead rises to {self._most} periods "
-                f"(max_lead) at most; lead: {enough} would have been enough from the start"
+                f"busy machine: while that goes on, the lead rises to at most {self._most} "
+                f"(max_lead); lead: {enough} would have been enough from the start"
             )
 
-    def has_news(self) -> bool:
-        """Whether the stream ends elsewhere than the last message."""
+    def end_moved(self) -> bool:
+        """Return True if the stream no longer ends where the last message ended."""
         end = self._servo.samples().positions[-1]
         return self._end is None or bool(np.abs(end - self._end).max() > _END_TOLERANCE)
 

@@ -11,6 +11,7 @@ from robomech_interfaces.srv import PlanCartesian
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.cartesian import CartesianPlan, PathStopLimits, waypoint_path
 from robomech_ros.errors import BadValueError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.nodes.common.messages.error_codes import answer
 from robomech_ros.nodes.common.messages.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.messages.message_fields import check_waypoints, finite_number
@@ -45,7 +46,7 @@ class PathRequest:
         """Lay the path from a pose (4, 4); refuse waypoints that all are that pose."""
         path = waypoint_path(pose, self.waypoints, self.kind, self.options["task_mask"])
         if path is None:
-            found = f"{len(self.waypoints)} poses equal to the start"
+            found = f"{counted(len(self.waypoints), 'pose')} equal to the start"
             raise BadValueError("waypoints", found, "at least one other pose")
         return path
 

@@ -13,6 +13,7 @@ from sensor_msgs.msg import JointState
 from robomech_interfaces.srv import PlanCartesian, PlanJoint
 from robomech_ros.cartesian import Sampling
 from robomech_ros.errors import BadValueError, MissingLimitsError, RobomechError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.joints.joint_limits import NoLimitsForPlanError, robot_limits
@@ -85,7 +86,9 @@ class TrajectoryPlannerNode(Node):
         ):
             serve(self, kind, name, callback, callback_group=ReentrantCallbackGroup())
         count = len(self._limits.joint_names)
-        self.get_logger().info(f"ready: {model.chain.name}, {count} joints, profiles: {OFFERED}")
+        self.get_logger().info(
+            f"ready: {model.chain.name}, {counted(count, 'joint')}, profiles: {OFFERED}"
+        )
         self._warm_up()
 
     def stop(self) -> None:

@@ -9,6 +9,7 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_interfaces.srv import PlanJoint
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.nodes.common.joints.plan_settings import SHORTEST_PERIOD
 from robomech_ros.nodes.common.messages.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.messages.message_fields import (
@@ -75,11 +76,11 @@ def _plan_options(request: Any, max_duration: float) -> dict[str, Any]:
     if request.via and options["profile"] not in VIA_PROFILES:
         able = ", ".join(name.upper() for name in VIA_PROFILES)
         expected = f"none for {_NAMES[request.profile]}; {able} take some"
-        raise BadValueError("via", f"{len(request.via)} points", expected)
+        raise BadValueError("via", counted(len(request.via), "point"), expected)
     if len(request.via) > _MOST_VIAS.get(options["profile"], len(request.via)):
         able = ", ".join(_NAMES[k] for k in _NAMES if _NAMES[k].lower() in _ANY_VIAS)
         expected = f"at most {MOST_VIAS} points for {_NAMES[request.profile]}; {able} take more"
-        raise BadValueError("via", f"{len(request.via)} points", expected)
+        raise BadValueError("via", counted(len(request.via), "point"), expected)
     options["duration"] = seconds_from_duration(request.duration, "duration") or None
     check_duration(options["duration"] or 0.0, max_duration)
     options["at"] = _instants(request, options["profile"], options["duration"])

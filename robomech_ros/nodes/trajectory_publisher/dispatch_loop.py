@@ -92,4 +92,4 @@ class DispatchLoop:
             self._log.info(f"arrived after {report.duration:.2f} s")
 
     def _log_stall(self, text: str) -> None:
-        self._log.warning(f"{len(self.dispatcher.queue)} trajectories wait: {text}")
+        self._log.warning(f"waiting trajectories: {len(self.dispatcher.queue)}: {text}")

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from robomech_ros.errors import RobomechError, RobotDescriptionError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.regular_files import read_regular
 from robomech_ros.robots import SemanticDescription, SerialChain
 from robomech_ros.robots.documents.guarded_yaml import (
@@ -117,7 +118,7 @@ def _postures(given: object, where: str, chain: SerialChain) -> _Positions:
 def _positions(given: object, where: str, chain: SerialChain) -> tuple[float, ...]:
     if not isinstance(given, list) or len(given) != chain.n:
         names = ", ".join(chain.joint_names)
-        raise RobotDescriptionError(where, f"expected {chain.n} positions, of {names}")
+        raise RobotDescriptionError(where, f"expected {counted(chain.n, 'position')}, of {names}")
     for name, value, low, high, unit in zip(
         chain.joint_names, given, chain.lower, chain.upper, chain.units, strict=True
     ):

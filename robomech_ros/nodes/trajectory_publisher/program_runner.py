@@ -8,6 +8,7 @@ from rclpy.node import Node
 from rclpy.timer import Timer
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.execution.client.execution_request import (
     ExecutionReport,
     ExecutionRequest,
@@ -98,7 +99,7 @@ class ProgramRunner:
             return
         cycle, index = divmod(self._done, len(program.steps))
         if program.cycles and cycle >= program.cycles:
-            self._end(f"program done: {cycle} cycles")
+            self._end(f"program done: {counted(cycle, 'cycle')}")
             return
         step = program.steps[index]
         what = f"move to {step.posture}" if step.posture else f"wait {step.wait:g} s"

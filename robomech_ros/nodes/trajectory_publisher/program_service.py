@@ -9,6 +9,7 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.messages.error_codes import NoStateError
@@ -85,8 +86,8 @@ class ProgramService:
         if not self._runner.end_preparation():
             raise TrajectoryRefusedError(self._runner.condition)
         self._runner.start(program, model.chain, self._place(model.chain))
-        count = f"{program.cycles} cycles" if program.cycles else "cycles until cancelled"
-        return f"{len(program.steps)} steps, {count}"
+        count = counted(program.cycles, "cycle") if program.cycles else "cycles until cancelled"
+        return f"{counted(len(program.steps), 'step')}, {count}"
 
     def _place(self, chain: SerialChain) -> Array:
         """Return where the robot stands (rad or m), while nothing is executed."""

@@ -67,7 +67,7 @@ class SpeedServices:
         count = self._give_up_requests()
         count += self._dispatcher.cancel(CANCELLED, self._loop.clock.now())
         self._loop.watch()
-        what = f"{count} trajectories dropped; the robot stops on its path"
+        what = f"trajectories dropped: {count}; the robot stops on its path"
         if not count:
             what = "the program is dropped" if ran else "nothing was under way or waiting"
         return True, what

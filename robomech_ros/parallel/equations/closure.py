@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robomech_ros.errors import BadValueError, WrongSizeError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinematics.equations.closure import as_angles, circle
 from robomech_ros.kinematics.equations.half_angles import (
     angles_of_line,
@@ -223,7 +224,7 @@ class PlatformEquations:
         maybe, real = int(np.sum(np.abs(roots.imag) < _MAYBE_REAL)), int(_are_real(angles).sum())
         reason = ""
         if len(angles) != self.degree and maybe != real:
-            reason = f"{maybe} roots that may be real led to {real} poses"
+            reason = f"{counted(maybe, 'root')} that may be real led to {counted(real, 'pose')}"
         return PlatformRoots(polynomial / greatest, roots, angles, poses, not reason, reason)
 
     def _checked(self, angles: ArrayLike) -> Numbers:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.rvs.model.arms.analysis import (
     ROWS,
     ArmFacts,
@@ -47,32 +48,32 @@ class AnalysisLayer(Layer):
 
     label, order = "Understand", 10
 
-    def __init__(self, place: LayerContext) -> None:
-        super().__init__(place)
+    def __init__(self, context: LayerContext) -> None:
+        super().__init__(context)
         # The next robot shows the same.
         first = {"on": dict.fromkeys(LABELS, False), "part": "translation"}
-        self._kept: dict[str, Any] = place.kept.setdefault("understand", first)
-        self._switches = Switches(place, LABELS, self._kept["on"])
+        self._saved: dict[str, Any] = context.saved_values.setdefault("understand", first)
+        self._switches = Switches(context, LABELS, self._saved["on"])
         self._facts: ArmFacts | None = None
         self._next: NextSingularity | None = None
         self._asked_for_facts, self._goes = False, False
         self._asked_at: Any = None
         self._nodes: dict[str, Any] = {}
-        self._arrows = TwistNodes(place.space, "lost")
+        self._arrows = TwistNodes(context.space, "lost")
 
     def show(self) -> None:
         """Follow the arm."""
-        q = self._place.arm.q
+        q = self._context.arm.q
         found = {kind: self._show_ellipsoid(kind) for kind in COLOURS}
         judged = None
         if self._judges:
             self._find_facts()
         if self._judges and self._facts is not None:
             length = self._facts.length
-            judged = posture_facts(self._place.chain, q, length)
+            judged = posture_facts(self._context.chain, q, length)
             if self._switches["numbers"] and not np.array_equal(q, self._asked_at):
                 self._asked_at = q
-                search = partial(next_singularity, self._place.chain, q, length)
+                search = partial(next_singularity, self._context.chain, q, length)
                 self.find("next", search, partial(setattr, self, "_next"))
         self._show_arrows(judged if self._switches["lost"] else None)
         self.write("understand", self._lines(judged, found))
@@ -82,7 +83,7 @@ class AnalysisLayer(Layer):
         for name in LABELS:
             self._switches.add_to(folder, name)
             if name == "force":
-                folder.dropdown(PART, tuple(ROWS), self._kept["part"], self._choose_part)
+                folder.dropdown(PART, tuple(ROWS), self._saved["part"], self._choose_part)
         folder.button("Go to the least condition number", self._go)
 
     @property
@@ -91,12 +92,12 @@ class AnalysisLayer(Layer):
         return self._switches["numbers"] or self._switches["lost"]
 
     def _choose_part(self, value: Any) -> None:
-        self._kept["part"] = as_choice(PART, value, tuple(ROWS))
+        self._saved["part"] = as_choice(PART, value, tuple(ROWS))
 
     def _find_facts(self) -> None:
         if not self._asked_for_facts:
             self._asked_for_facts = True
-            self.find("facts", partial(arm_facts, self._place.chain), self._know_facts)
+            self.find("facts", partial(arm_facts, self._context.chain), self._know_facts)
 
     def _know_facts(self, facts: ArmFacts) -> None:
         self._facts = facts
@@ -114,8 +115,8 @@ class AnalysisLayer(Layer):
     def _take_best(self, facts: ArmFacts) -> None:
         if facts.best is None:
             expected = "one that is regular in some posture"
-            raise BadValueError("arm", self._place.chain.name, expected)
-        self._place.arm.move_to(facts.best.q)
+            raise BadValueError("arm", self._context.chain.name, expected)
+        self._context.arm.move_to(facts.best.q)
 
     def _show_ellipsoid(self, kind: str) -> DrawnEllipsoid | None:
         wanted = self._switches[kind]
@@ -124,10 +125,10 @@ class AnalysisLayer(Layer):
             if node is not None:
                 node.visible = False
             return None
-        arm, reach = self._place.arm, self._place.seen.reach
-        drawn = drawn_ellipsoid(arm.chain, arm.q, kind, self._kept["part"], reach)
+        arm, reach = self._context.arm, self._context.seen.reach
+        drawn = drawn_ellipsoid(arm.chain, arm.q, kind, self._saved["part"], reach)
         if node is None:
-            scene, name = self._place.server.scene, f"{self._place.base}/{kind}_ellipsoid"
+            scene, name = self._context.server.scene, f"{self._context.base}/{kind}_ellipsoid"
             node = add_mesh(scene, name, sphere(1.0), COLOURS[kind], OPACITY)
             self._nodes[kind] = node
         place_node(node, drawn.pose)
@@ -139,7 +140,7 @@ class AnalysisLayer(Layer):
         if judged is None:
             self._arrows.show(None, LOST)
             return
-        tip, reach = self._place.arm.tip[:3, 3], self._place.seen.reach
+        tip, reach = self._context.arm.tip[:3, 3], self._context.seen.reach
         colours = LOST if judged.report.singular else WEAKEST
         self._arrows.show(twist_arrows(tip, judged.twists, reach), colours)
 
@@ -192,8 +193,7 @@ def _of_posture(judged: PostureFacts, near: NextSingularity | None) -> list[tupl
     lines = [("condition number here", here)]
     if report.singular:
         count = len(report.lost_directions)
-        noun = "direction" if count == 1 else "directions"
-        lines.append(("singular", f"{', '.join(report.kinds)}: {count} {noun} lost"))
+        lines.append(("singular", f"{', '.join(report.kinds)}: {counted(count, 'direction')} lost"))
     elif report.factors:
         parts = ", ".join(f"{name} {value:+.3f}" for name, value in report.factors.items())
         lines.append(("regular", f"{parts}; 0 is singular"))

@@ -25,22 +25,22 @@ class CalibrationLayer(Layer):
 
     label, order, expanded = "Calibration", 5.7, True
 
-    def __init__(self, place: LayerContext, result: HandEyeResult, tracking: Array) -> None:
-        super().__init__(place)
+    def __init__(self, context: LayerContext, result: HandEyeResult, tracking: Array) -> None:
+        super().__init__(context)
         self._result = result
-        chain, seen = place.chain, place.seen
+        chain, seen = context.chain, context.seen
         self._markers = calibration_markers(result, tracking, chain.base, chain.tip)
-        self._nodes = MarkerNodes(place.server.scene, place.path)
+        self._nodes = MarkerNodes(context.server.scene, context.path)
         self._nodes.show(SOURCE, self._markers)
         # They would cover what is small.
         for what in ("ghosts", "gizmo"):
-            place.switch(what, False)
+            context.switch(what, False)
         # Where the last sample was taken, if the arm gets there.
-        place.arm.drag(result.robot_poses[-1])
-        place.arm.release()
-        at = place.arm.positions
+        context.arm.drag(result.robot_poses[-1])
+        context.arm.release()
+        at = context.arm.positions
         points = [visible_points(seen, [at]), marker_points(seen, self._markers, at)]
-        place_camera(place.server, np.vstack(points))
+        place_camera(context.server, np.vstack(points))
 
     def _fill(self, folder: Folder, gui: Any) -> None:
         folder.checkbox(

@@ -20,9 +20,9 @@ SWEEP = 6
 class CameraLayer(Layer):
     """The eye of every browser, which stays while the arm moves."""
 
-    def __init__(self, place: LayerContext) -> None:
-        super().__init__(place)
-        place_camera(place.server, all_points(place))
+    def __init__(self, context: LayerContext) -> None:
+        super().__init__(context)
+        place_camera(context.server, all_points(context))
 
     def controls(self, client: Any) -> Controls:
         """Return the button."""
@@ -31,30 +31,30 @@ class CameraLayer(Layer):
 
         @button.on_click
         async def _(_: Any) -> None:
-            self._place.ask("fit view", lambda: fit_view(self._place, client))
+            self._context.ask("fit view", lambda: fit_view(self._context, client))
 
         return AllControls([button])
 
 
-def fit_view(place: LayerContext, client: Any) -> None:
+def fit_view(context: LayerContext, client: Any) -> None:
     """Let robot, ghosts, plan and what layers show fill a browser (viser.ClientHandle)."""
-    fit_camera(client, all_points(place))
+    fit_camera(client, all_points(context))
 
 
-def all_points(place: LayerContext) -> Array:
+def all_points(context: LayerContext) -> Array:
     """Return points (k, 3) around everything shown, over the ground (m)."""
-    extents = [extent() for extent in place.extents.values()]
-    T = place.root_pose()
-    return np.vstack([shown_points(place), *extents]) @ T[:3, :3].T + T[:3, 3]
+    extents = [extent() for extent in context.extents.values()]
+    T = context.root_pose()
+    return np.vstack([shown_points(context), *extents]) @ T[:3, :3].T + T[:3, 3]
 
 
-def shown_points(place: LayerContext) -> Array:
+def shown_points(context: LayerContext) -> Array:
     """Return points (k, 3) (m) in the root around the robot, its ghosts, a plan and the gizmo."""
-    arm, seen = place.moved, place.seen
+    arm, seen = context.moved, context.seen
     postures = [arm.q, *(posture.q for posture in arm.study.postures)]
     if arm.study.nearest is not None:
         postures.append(arm.study.nearest)
-    motion = place.plan.motion
+    motion = context.plan.motion
     if motion is not None:
         postures += list(motion.at(np.linspace(motion.times[0], motion.times[-1], SWEEP)))
     points = visible_points(seen, [arm.positions_of(q) for q in postures])

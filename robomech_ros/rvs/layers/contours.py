@@ -36,8 +36,8 @@ class ContoursLayer(Layer):
     # Targets nearer to each other than this are drawn once.
     same = SAME_POSE
 
-    def __init__(self, place: LayerContext) -> None:
-        super().__init__(place)
+    def __init__(self, context: LayerContext) -> None:
+        super().__init__(context)
         self._view: CurveView | None = None
         self._on = False
         # Subject of the drawn curves, and the posture of the robot then.
@@ -46,16 +46,16 @@ class ContoursLayer(Layer):
         self._box: Any = None
         self._names, self._missing = self._named()
         if self._names:
-            place.offered["contours"] = Switch(lambda: self._on, self._turn)
+            context.offered["contours"] = Switch(lambda: self._on, self._turn)
 
     def _named(self) -> tuple[tuple[str, ...], str]:
         """Name the equations, or say why there are none."""
-        missing = what_is_missing(self._place.chain)
+        missing = what_is_missing(self._context.chain)
         return (() if missing else minor_names()), missing
 
     def _drawn(self) -> tuple[Array, Array | None]:
         """Return what to draw the curves for, and where to mark the robot in the plane."""
-        arm = self._place.arm
+        arm = self._context.arm
         self._study, self._q = arm.study, arm.q
         return arm.target, (arm.q[list(JOINTS)] + np.pi) % (2.0 * np.pi) - np.pi
 
@@ -116,7 +116,7 @@ class ContoursLayer(Layer):
     def problem(self, pair: tuple[int, int]) -> CurveProblem | None:
         """Return the contours of the pose; None where they have been switched off."""
         T = self._target
-        return None if T is None else posture_problem(self._place.chain, T, pair)
+        return None if T is None else posture_problem(self._context.chain, T, pair)
 
     def disc(self, found: Finding) -> tuple[str, str]:
         """Return the number and the colour of a posture in the table, none outside the limits."""
@@ -132,7 +132,7 @@ class ContoursLayer(Layer):
         number = self._number(found)
         near = self._q if number is None else self._study.postures[number].q
         turn = 2.0 * math.pi
-        self._place.arm.move_to(found.q + turn * np.round((near - found.q) / turn))
+        self._context.arm.move_to(found.q + turn * np.round((near - found.q) / turn))
 
     def _number(self, found: Finding) -> int | None:
         for number, posture in enumerate(self._study.postures):

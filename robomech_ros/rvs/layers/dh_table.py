@@ -93,32 +93,32 @@ class DHTableLayer(Layer):
 
     label, order = "DH table", 15
 
-    def __init__(self, place: LayerContext) -> None:
-        super().__init__(place)
+    def __init__(self, context: LayerContext) -> None:
+        super().__init__(context)
         # The robot that the page began with, and whether another one came from here.
         first = {"open": False, "on": {"frames": False}}
-        self._kept = place.kept.setdefault("dh table", first)
-        self.expanded = self._kept["open"]
-        self._kept.setdefault("first", (place.description, place.chain))
+        self._saved = context.saved_values.setdefault("dh table", first)
+        self.expanded = self._saved["open"]
+        self._saved.setdefault("first", (context.description, context.chain))
         # The layer of the robot that this one was changed into, and whether it is gone.
         self._heir: DHTableLayer | None = None
         self._closed = False
-        self._kept["layer"] = self
+        self._saved["layer"] = self
         self._version, self._typed, self._degrees, self._faded = 0, False, False, False
-        self._known = None if place.chain.coupling is not None else table_of(place.chain)
-        self._nodes = DHFrameNodes(place.space)
+        self._known = None if context.chain.coupling is not None else table_of(context.chain)
+        self._nodes = DHFrameNodes(context.space)
         if self._known is not None:
-            self._switches = Switches(place, {"frames": FRAMES}, self._kept["on"])
+            self._switches = Switches(context, {"frames": FRAMES}, self._saved["on"])
 
     def show(self) -> None:
         """Bring back the numbers that were typed over and refused, and let the frames follow."""
         if self._known is not None:
-            on, reach = self._switches["frames"], self._place.seen.reach
+            on, reach = self._switches["frames"], self._context.seen.reach
             if on != self._faded:
                 self._faded = on
-                self._place.fade(on)
-            self._nodes.show(dh_frames(self._known, self._place.arm.q, reach) if on else None)
-        if self._typed or self._degrees != self._place.units.degrees:
+                self._context.fade(on)
+            self._nodes.show(dh_frames(self._known, self._context.arm.q, reach) if on else None)
+        if self._typed or self._degrees != self._context.units.degrees:
             self._typed = False
             self._version += 1
             self._write()
@@ -133,7 +133,7 @@ class DHTableLayer(Layer):
         hint = "Joint, parameter and number, as in: 2 a 0.5; a number typed above does it, too"
         folder.listen(gui.add_text(CHANGE, "", hint=hint), self._change)
         hint = "Back to the robot that the page began with"
-        folder.button("Reset robot", lambda: self._replace(*self._kept["first"]), hint)
+        folder.button("Reset robot", lambda: self._replace(*self._saved["first"]), hint)
         self._write()
 
     def close(self) -> None:
@@ -141,10 +141,10 @@ class DHTableLayer(Layer):
         self._closed = True
 
     def _write(self) -> None:
-        chain = self._place.chain
+        chain = self._context.chain
         if not self.is_open or self._known is None:
             return
-        table, units = self._known, self._place.units
+        table, units = self._known, self._context.units
         self._degrees = units.degrees
         document = yaml_of(chain, table)
         self._table.content = dh_rows(
@@ -161,29 +161,29 @@ class DHTableLayer(Layer):
                 layer._take(text)
 
         if text.strip():
-            self._place.ask(("dh table", self._cell(text)), change)
+            self._context.ask(("dh table", self._cell(text)), change)
 
     def _cell(self, text: str) -> tuple[int, str] | None:
         """Return which number is changed: those of different cells do not displace each other."""
         try:
-            return read_change(text, self._place.chain.n)[:2]
+            return read_change(text, self._context.chain.n)[:2]
         except BadValueError:
             return None
 
     def _take(self, text: str) -> None:
         self._typed = True
-        chain = self._place.chain
+        chain = self._context.chain
         change = read_change(text, chain.n)
         if change.parameter in ANGLES:
-            change = change._replace(value=change.value / self._place.units.factor("rad"))
+            change = change._replace(value=change.value / self._context.units.factor("rad"))
         self._replace(*changed_robot(chain, change))
 
     def _replace(self, *robot: Any) -> None:
-        before = self._kept["open"]
-        self._kept["open"] = True
+        before = self._saved["open"]
+        self._saved["open"] = True
         try:
-            self._place.replace(*robot)
+            self._context.replace(*robot)
         except BaseException:
-            self._kept["open"] = before
+            self._saved["open"] = before
             raise
-        self._heir = self._kept["layer"]
+        self._heir = self._saved["layer"]

@@ -24,26 +24,26 @@ class GripperLayer(Layer):
     # A value of the slider is noted at once, so that the slider is not set back meanwhile.
     label, order, expanded, asks = "Gripper", 4.5, True, False
 
-    def __init__(self, place: LayerContext, robot: LiveRobot | None = None) -> None:
-        super().__init__(place)
+    def __init__(self, context: LayerContext, robot: LiveRobot | None = None) -> None:
+        super().__init__(context)
         self._robot = robot
         if robot is None:
-            self._gripper = gripper_model(place.description, place.chain)
+            self._gripper = gripper_model(context.description, context.chain)
         else:
             self._gripper = robot.gripper
         self._slider: Any = None
         # Latest value of the slider that has not been carried out.
         self._asked: float | None = None
         if self._gripper is not None and robot is None:
-            home = place.description.joint_positions(place.description.home)
-            place.arm.others = {joint.name: home[joint.name] for joint in self._gripper.joints}
+            home = context.description.joint_positions(context.description.home)
+            context.arm.others = {joint.name: home[joint.name] for joint in self._gripper.joints}
 
     def show(self) -> None:
         """Set the slider to the gripper, unless it is the slider that moves it."""
         busy = self._asked is not None or (self._robot is not None and self._robot.gripper_moves)
         if self._gripper is None or not self.is_open or busy:
             return
-        value = self._gripper.value(self._place.arm.others)
+        value = self._gripper.value(self._context.arm.others)
         if abs(self._slider.value - value) > SAME:
             self._slider.value = value
 
@@ -54,11 +54,11 @@ class GripperLayer(Layer):
     def _fill(self, folder: Folder, gui: Any) -> None:
         gripper = self._gripper
         assert gripper is not None
-        (low, high), unit = gripper.ends, gripper.unit
+        (low, high), unit = gripper.limits, gripper.unit
         what, name = f"{low:.4g} to {high:.4g} {unit}", short_name(gripper.joints[0].name)
         label = "width" if gripper.opening is not None else name
         self._asked = None
-        value = gripper.value(self._place.arm.others)
+        value = gripper.value(self._context.arm.others)
         hint = f"Opens and closes the gripper: {what}"
         self._slider = folder.slider(label, unit, (low, high), value, self._choose, hint)
         if gripper.opening is not None:
@@ -76,6 +76,6 @@ class GripperLayer(Layer):
         assert gripper is not None
         positions = gripper.positions(finite_number("gripper", value, gripper.unit))
         if self._robot is None:
-            self._place.arm.others |= positions
+            self._context.arm.others |= positions
         else:
             self._robot.move_gripper(value)

@@ -150,16 +150,16 @@ class HandLayer(Layer):
 
     label, order, expanded = "Grasp", 3.5, True
 
-    def __init__(self, place: LayerContext) -> None:
-        super().__init__(place)
-        self.hand = place.robot_of(HandView)
-        self._scene = HandScene(place.space)
+    def __init__(self, context: LayerContext) -> None:
+        super().__init__(context)
+        self.hand = context.robot_of(HandView)
+        self._scene = HandScene(context.space)
         self.on = dict.fromkeys(PARTS, True)
         self._studied: object = None
         self._lines: tuple[Line, ...] = ()
         self._separates = False
         self._quality: Line = ("quality", "looking ...")
-        self._switches = Switches(place, {part: part for part in PARTS}, self.on)
+        self._switches = Switches(context, {part: part for part in PARTS}, self.on)
         self.show()
 
     def show(self) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.model.running.following_goal import FollowingGoal
 from robomech_ros.rvs.model.running.jog import HoldHeartbeat
-from robomech_ros.rvs.model.running.live_robot import LiveRobot, ServoNews, ViewMarker
+from robomech_ros.rvs.model.running.live_robot import LiveRobot, ServoState, ViewMarker
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.clients import AllControls, Controls
 from robomech_ros.rvs.page.folder import Folder
@@ -35,17 +35,17 @@ class LiveLayer(LivePage):
 
     label, order = "ROS", 50
 
-    def __init__(self, place: LayerContext, robot: LiveRobot) -> None:
+    def __init__(self, context: LayerContext, robot: LiveRobot) -> None:
         lines = ("servo", "dropped", "gripper", "world")
-        super().__init__(place, robot, lines, "Stops whatever moves the robot; every browser may")
+        super().__init__(context, robot, lines, "Stops whatever moves the robot; every browser may")
         self._robot = robot
-        self._nodes, self._goal_nodes = place.separate()
+        self._nodes, self._goal_nodes = context.separate()
         self._goal_nodes.show(False)
-        self._markers = MarkerNodes(place.server.scene, self._nodes.path)
-        self._goal = FollowingGoal(place.moved.q)
+        self._markers = MarkerNodes(context.server.scene, self._nodes.path)
+        self._goal = FollowingGoal(context.moved.q)
         # Whether ghosts and gizmo are to be hidden: the robot has left where they are.
         self._behind = False
-        self._names = place.moved.state_joints
+        self._names = context.moved.state_joints
         self._fingers: dict[str, float] = {}
         # How often Stop was clicked; what was asked before a click is not done after it.
         self._stops, self._stopping = 0, threading.Lock()
@@ -57,15 +57,15 @@ class LiveLayer(LivePage):
 
     def show(self) -> None:
         """Show the goal where it is not the robot."""
-        self._goal.put(self._place.moved.q)
+        self._goal.put(self._context.moved.q)
         self._goal_nodes.show(self._goal.is_apart)
 
     def controls(self, client: Any) -> Controls:
         """Give the browser that commands buttons about the goal, and the folders Jog and ROS."""
         self._commander, self._wait_box = client.client_id, None
         parts = [self._add_goal(client.gui)]
-        if self._place.jogged is not None:
-            parts.append(self._add_jog(client.gui, self._place.jogged))
+        if self._context.jogged is not None:
+            parts.append(self._add_jog(client.gui, self._context.jogged))
         return AllControls([*parts, super().controls(client), *self._pads])
 
     def _add_goal(self, gui: Any) -> Controls:
@@ -87,7 +87,7 @@ class LiveLayer(LivePage):
         return self._goal_buttons
 
     def _add_jog(self, gui: Any, chain: SerialChain) -> Controls:
-        folder = Folder(gui, self._place.units, "Jog", 3.5)
+        folder = Folder(gui, self._context.units, "Jog", 3.5)
         with folder:
             pad = HoldField(gui, chain.n, self._hold, self._robot.let_go, self.refuse)
             hint = "Axes along and about which the tip is jogged"
@@ -137,16 +137,16 @@ class LiveLayer(LivePage):
                 elif folder is None or folder.removed:
                     dropped = "another browser has taken command"
                 else:
-                    action(self._place.moved.values.copy())
+                    action(self._context.moved.values.copy())
             if dropped:
                 self.say("dropped", f"{refusal}: {dropped}.")
 
-        self._place.ask(kind, go)
+        self._context.ask(kind, go)
 
     def bring_goal(self) -> None:
         """Put the goal where the robot is, and keep it there."""
         self._goal.follow()
-        self._place.ask("goal", self._follow)
+        self._context.ask("goal", self._follow)
 
     def want_markers(self, wanted: bool) -> None:
         """Show markers, or not."""
@@ -157,26 +157,26 @@ class LiveLayer(LivePage):
         """Put the goal where the robot is, at the limits where that is outside."""
         q = self._goal.followed()
         if q is not None:
-            self._place.moved.follow(q)
-            self._goal.put(self._place.moved.q, followed=True)
+            self._context.moved.follow(q)
+            self._goal.put(self._context.moved.q, followed=True)
 
     # Of the robot, on any thread.
 
     def show_joints(self, positions: Mapping[str, float]) -> None:
         """Draw the robot with its joints there (rad or m, by name)."""
-        with self._place.server.atomic():
+        with self._context.server.atomic():
             self._nodes.move(positions)
         q = np.array([positions[name] for name in self._names])
         self._show_fingers(positions)
-        for follow in self._place.followers:
+        for follow in self._context.followers:
             follow(positions)
         if self._goal.robot_is_at(q, time.monotonic()):
-            self._place.ask("goal", self._follow)
+            self._context.ask("goal", self._follow)
         self._leave_behind(self._goal.is_behind)
 
     def show_base(self, T: Array) -> None:
         """Move the drawn robot, its goal and all else in its base to a pose (4, 4) of the base."""
-        self._place.move_base(T)
+        self._context.move_base(T)
 
     def _show_fingers(self, positions: Mapping[str, float]) -> None:
         """Give the goal the fingers of the robot, if they have moved."""
@@ -184,8 +184,8 @@ class LiveLayer(LivePage):
         names = () if gripper is None else [joint.name for joint in gripper.joints]
         fingers = {name: positions[name] for name in names if name in positions}
         if fingers != self._fingers:
-            self._fingers, arm = fingers, self._place.arm
-            self._place.ask("fingers", lambda: arm.others.update(fingers))
+            self._fingers, arm = fingers, self._context.arm
+            self._context.ask("fingers", lambda: arm.others.update(fingers))
 
     def show_state(self, text: str) -> None:
         """Say what is wrong with the joint states; empty for nothing."""
@@ -194,27 +194,27 @@ class LiveLayer(LivePage):
             # Where the robot is, nobody knows: the goal is all that there is.
             self._leave_behind(False)
 
-    def show_servo(self, news: ServoNews | None) -> None:
+    def show_servo(self, state: ServoState | None) -> None:
         """Show the state of the servo; None without messages from it."""
-        text = "" if news is None else news.text
-        if news is not None and text and news.scale < 1.0:
-            text = f"at {100.0 * news.scale:.0f} % of the speed: {text}"
+        text = "" if state is None else state.text
+        if state is not None and text and state.scale < 1.0:
+            text = f"at {100.0 * state.scale:.0f} % of the speed: {text}"
         self.say("servo", f"Servo: {text}" if text else "")
 
     def show_gripper(self, text: str, *, failed: bool = False) -> None:
         """Say what the gripper does, or why it does not."""
         self.say("gripper", text, failed)
         # Its slider goes to where it is.
-        self._place.ask("gripper", lambda: None)
+        self._context.ask("gripper", lambda: None)
 
     def show_plan(self, motion: Motion) -> None:
         """Show a planned motion."""
-        plan = self._place.plan
-        self._place.ask("plan", lambda: plan.show(motion, "planned_trajectory"))
+        plan = self._context.plan
+        self._context.ask("plan", lambda: plan.show(motion, "planned_trajectory"))
 
     def show_markers(self, source: str, markers: Sequence[ViewMarker]) -> None:
         """Draw the markers of a source, instead of those it had."""
-        with self._place.server.atomic():
+        with self._context.server.atomic():
             self._markers.show(source, markers)
 
     def show_waiting(self, waiting: bool) -> None:
@@ -228,4 +228,4 @@ class LiveLayer(LivePage):
         """Hide ghosts and gizmo while the robot moves away from them."""
         if self._behind != behind:
             self._behind = behind
-            self._place.ask("behind", lambda: self._place.reveal(not self._behind))
+            self._context.ask("behind", lambda: self._context.reveal(not self._behind))

@@ -30,17 +30,17 @@ class LiveMobileRobotLayer(LivePage):
 
     order, expanded = 3.5, True
 
-    def __init__(self, place: LayerContext, robot: LiveMobileRobot) -> None:
-        super().__init__(place, robot, (), "Commands the robot to stand; every browser may")
-        self._robot, self._followed = robot, place.robot_of(ObservedRobot)
+    def __init__(self, context: LayerContext, robot: LiveMobileRobot) -> None:
+        super().__init__(context, robot, (), "Commands the robot to stand; every browser may")
+        self._robot, self._followed = robot, context.robot_of(ObservedRobot)
         self.label = self._followed.verb.capitalize()
         # It is moved by no gizmo.
-        place.switch("gizmo", False)
-        self._trail = PathNode(place.space, "trail", TRAIL)
-        self._switches = Switches(place, {"trail": "trail"}, {"trail": True})
+        context.switch("gizmo", False)
+        self._trail = PathNode(context.space, "trail", TRAIL)
+        self._switches = Switches(context, {"trail": "trail"}, {"trail": True})
         self._stance: Stance | None = None
         self._support: Any = None
-        self._table = place.units.html(place.server.gui, order=0.5)
+        self._table = context.units.html(context.server.gui, order=0.5)
         robot.begin(self)
 
     # Of the page, on its thread.
@@ -56,7 +56,7 @@ class LiveMobileRobotLayer(LivePage):
         from robomech_ros.rvs.layers.walking import SupportNodes
 
         if self._support is None:
-            self._support = SupportNodes(self._place.space)
+            self._support = SupportNodes(self._context.space)
         self._support.show(stance.support, stance.margin >= stance.bound)
         text = f"{stance.margin:.4f} m, kept above {stance.bound:g} m"
         gait = [("gait", stance.gait)] if stance.gait else []

@@ -22,18 +22,18 @@ TRAIL, AHEAD = (31, 119, 180), (230, 120, 20)
 class MobileRobotLayer(Layer):
     """The layer.
 
-    - ``place``: context of a page on which a :class:`MobileRobotView` is moved.
+    - ``context``: context of a page on which a :class:`MobileRobotView` is moved.
     """
 
     order, expanded = 3.5, True
 
-    def __init__(self, place: LayerContext) -> None:
-        super().__init__(place)
-        self._robot = robot = place.robot_of(MobileRobotView)  # type: ignore[type-abstract]
+    def __init__(self, context: LayerContext) -> None:
+        super().__init__(context)
+        self._robot = robot = context.robot_of(MobileRobotView)  # type: ignore[type-abstract]
         self.label = robot.verb.capitalize()
-        self._trail = PathNode(place.space, "trail", TRAIL)
-        self._ahead = PathNode(place.space, "way_ahead", AHEAD)
-        self._switches = Switches(place, {"trail": "trail"}, {"trail": True})
+        self._trail = PathNode(context.space, "trail", TRAIL)
+        self._ahead = PathNode(context.space, "way_ahead", AHEAD)
+        self._switches = Switches(context, {"trail": "trail"}, {"trail": True})
         # Whether it is to follow the command; if not, it stops.
         self._follows = False
         self._stepped = 0.0
@@ -91,7 +91,7 @@ class MobileRobotLayer(Layer):
             self._ticker.start()
 
     def _ask_for_step(self) -> None:
-        self._place.ask((self, "step"), self._step, self._robot.moved_joint)
+        self._context.ask((self, "step"), self._step, self._robot.moved_joint)
 
     def _step(self) -> None:
         """Move on to now; where nobody looks any more, stop."""
@@ -99,7 +99,7 @@ class MobileRobotLayer(Layer):
         steps, most = int((now - self._stepped) / robot.period), int(MOST / robot.period)
         # What was missed for long is not made up for.
         self._stepped = now if steps > most else self._stepped + steps * robot.period
-        if not self._place.server.get_clients():
+        if not self._context.server.get_clients():
             self._follows = False
         robot.drive(min(steps, most), brake=not self._follows)
         if not self._follows and robot.stands:

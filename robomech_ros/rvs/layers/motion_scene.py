@@ -52,14 +52,14 @@ def swept(motion: Motion) -> SweptPlan:
 class MotionScene:
     """The nodes of a plan, which all browsers see."""
 
-    def __init__(self, place: LayerContext) -> None:
-        self._scene, self._root = place.server.scene, f"{place.base}/plan"
-        self._reach = place.seen.reach
+    def __init__(self, context: LayerContext) -> None:
+        self._scene, self._root = context.server.scene, f"{context.base}/plan"
+        self._reach = context.seen.reach
         self._scene.add_frame(self._root, show_axes=False)
         styles = {"sweep": (SWEEP_SLIMNESS, SWEEP_OPACITY), "now": (NOW_SLIMNESS, NOW_OPACITY)}
         self._sweep, self._now = (
-            GhostBatch(self._scene, f"{self._root}/{name}", _ghosts(place, slimness), opacity)
-            for name, (slimness, opacity) in styles.items()
+            GhostBatch(self._scene, f"{self._root}/{name}", _ghosts(context, radius_scale), opacity)
+            for name, (radius_scale, opacity) in styles.items()
         )
         self._lines: list[Any] = []
 
@@ -112,8 +112,8 @@ def _between(part: float) -> Rgb:
     return red, green, blue
 
 
-def _ghosts(place: LayerContext, slimness: float) -> GhostMaker:
-    if isinstance(place.moved, PlatformView):
-        return PlatformGhosts(place.moved.mechanism, place.seen.reach, slimness)
-    chain = place.chain
-    return Ghosts(place.seen.tree.chain(chain.base, chain.tip), place.seen.shapes, slimness)
+def _ghosts(context: LayerContext, radius_scale: float) -> GhostMaker:
+    if isinstance(context.moved, PlatformView):
+        return PlatformGhosts(context.moved.mechanism, context.seen.reach, radius_scale)
+    chain = context.chain
+    return Ghosts(context.seen.tree.chain(chain.base, chain.tip), context.seen.shapes, radius_scale)

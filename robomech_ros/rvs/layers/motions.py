@@ -48,19 +48,19 @@ class MotionLayer(Layer):
 
     label, order = "Motion", 40
 
-    def __init__(self, place: LayerContext) -> None:
-        super().__init__(place)
-        self._robot = place.jogged or place.platform.mechanism
-        self._scene = MotionScene(place)
-        gui = place.server.gui
+    def __init__(self, context: LayerContext) -> None:
+        super().__init__(context)
+        self._robot = context.jogged or context.platform.mechanism
+        self._scene = MotionScene(context)
+        gui = context.server.gui
         # Below the folder of the controls, for all browsers.
         self._picture = gui.add_html("", order=40.5)
         self._cursor = gui.add_html("", order=40.6)
         self.player = Player()
         self.path_kind, self.profile = JOINTS, "poly345"
         self.curves, self.sweep, self.along = QUANTITIES[0], True, False
-        end = place.moved.end
-        links = place.chain.links if place.jogged else (end,)
+        end = context.moved.end
+        links = context.chain.links if context.jogged else (end,)
         self.traced = {link: link == end for link in links}
         self.status, self.warns = "No plan yet: press Start here, move it, Goal here.", False
         # Verdict on contacts of the plan, and the plan and world that it is for.
@@ -72,14 +72,14 @@ class MotionLayer(Layer):
         self._drawn: MotionCurves | None = None
         self._degrees = False
         self._last = 0.0
-        self._ticker = Ticker("player", BEAT, partial(place.run, "beat", self._step))
+        self._ticker = Ticker("player", BEAT, partial(context.run, "beat", self._step))
 
     # What the page calls.
 
     def show(self) -> None:
         """Follow the plan of the page."""
-        motion = self._place.plan.motion
-        if self._degrees != self._place.units.degrees:
+        motion = self._context.plan.motion
+        if self._degrees != self._context.units.degrees:
             self._draw()
         self._judge(motion)
         if self.is_open and self._way_choice.options != self._ways:
@@ -171,7 +171,7 @@ class MotionLayer(Layer):
 
     def remember(self, which: str) -> None:
         """Take the present posture as start or goal, and plan if both are there."""
-        self._ends[which] = self._place.moved.q.copy()
+        self._ends[which] = self._context.moved.q.copy()
         self.make_plan()
 
     def make_plan(self) -> None:
@@ -182,7 +182,7 @@ class MotionLayer(Layer):
             return
         ends = self._ends["start"], self._ends["goal"]
         robot, kind, profile = self._robot, self.path_kind, self.profile
-        world = self._place.moved.world
+        world = self._context.moved.world
         around = None if world is None or kind in PATH_KINDS else world.planner()
 
         def compute() -> None:
@@ -193,14 +193,14 @@ class MotionLayer(Layer):
                     made = plan_between(robot, *ends, kind, profile)
             except RobomechError as error:
                 made = MadePlan(None, str(error), False)
-            self._place.ask("plan", lambda: self._take(made))
+            self._context.ask("plan", lambda: self._take(made))
 
         self._worker.submit("plan", compute)
 
     def forget(self) -> None:
         """Forget the plan, its start and its goal."""
         self._ends = {}
-        self._place.plan.forget()
+        self._context.plan.forget()
         self._say("No plan.", False)
 
     def seek(self, seconds: float) -> None:
@@ -240,12 +240,12 @@ class MotionLayer(Layer):
 
     @property
     def _ways(self) -> tuple[str, ...]:
-        world = self._place.moved.world
+        world = self._context.moved.world
         return PATH_KINDS if world is None else (*PATH_KINDS, *world.ways)
 
     def _judge(self, motion: Motion | None) -> None:
         """Check whether a plan is free of contact, again after each change of the world."""
-        world = self._place.moved.world
+        world = self._context.moved.world
         wanted = None if motion is None or world is None else (motion, world, world.version)
         if wanted == self._judged:
             return
@@ -275,9 +275,9 @@ class MotionLayer(Layer):
     def _take(self, made: MadePlan) -> None:
         self._say(made.sentence, not made.complete)
         if made.motion is None:
-            self._place.plan.forget()
+            self._context.plan.forget()
         else:
-            self._place.plan.show(made.motion, "plan")
+            self._context.plan.show(made.motion, "plan")
 
     def _display(self, plan: SweptPlan | None, curves: MotionCurves | None) -> None:
         self._plan, self._drawn = plan, curves
@@ -286,13 +286,13 @@ class MotionLayer(Layer):
         self._draw()
         # The slider takes a time before the text names the plan.
         self._load()
-        name = self._place.plan.name
+        name = self._context.plan.name
         if plan is not None and name != "plan":
             self._say(f"{name}: {plan.motion.duration:.2f} s", False)
         self._move()
 
     def _draw(self) -> None:
-        text, units = "", self._place.units
+        text, units = "", self._context.units
         self._degrees = units.degrees
         if self._drawn is not None and self.curves != NO_CURVES:
             names = [self._robot.joint_names[k] for k in driven_joints(self._robot)]
@@ -309,12 +309,12 @@ class MotionLayer(Layer):
             return
         motion, player = self._plan.motion, self.player
         q = motion.at(motion.times[0] + player.time)
-        with self._place.server.atomic():
+        with self._context.server.atomic():
             self._scene.go_to(q)
             self._cursor.content = cursor_rule(player.time / max(player.duration, 1e-9))
             self._update(keep_time=from_slider)
         if self.along:
-            self._place.ask("along", lambda: self._place.moved.move_to(self._closed(q)))
+            self._context.ask("along", lambda: self._context.moved.move_to(self._closed(q)))
 
     def _step(self) -> None:
         now = time.monotonic()

@@ -29,22 +29,22 @@ class PlatformLayer(Layer):
 
     label, order, expanded = "Platform", 10, True
 
-    def __init__(self, place: LayerContext) -> None:
-        super().__init__(place)
+    def __init__(self, context: LayerContext) -> None:
+        super().__init__(context)
         self._kind = LISTS[0]
         self._on = {"numbers": True, "arrows": False}
-        self._switches = Switches(place, LABELS, self._on)
+        self._switches = Switches(context, LABELS, self._on)
         self._list: PlatformList | None = None
         self._facts: PlatformFacts | None = None
         self._facts_at: Any = None
-        self._lost, self._free = (TwistNodes(place.space, name) for name in ("lost", "free"))
+        self._lost, self._free = (TwistNodes(context.space, name) for name in ("lost", "free"))
         # At once, so that the eye holds all ghosts from the beginning.
-        self._asked = (place.platform.q, self._kind, True)
+        self._asked = (context.platform.q, self._kind, True)
         self._know(self._asked, self._found(*self._asked))
 
     def show(self) -> None:
         """Follow the robot."""
-        q = self._place.platform.q
+        q = self._context.platform.q
         asked = (q, self._kind, any(self._on.values()))
         if asked[1:] != self._asked[1:] or (q != self._asked[0]).any():
             self._asked = asked
@@ -63,7 +63,7 @@ class PlatformLayer(Layer):
         self._list = None
 
     def _found(self, q: Any, kind: str, judged: bool) -> tuple[PlatformList, PlatformFacts | None]:
-        robot = self._place.platform.robot
+        robot = self._context.platform.robot
         before = () if self._list is None else self._list.postures
         try:
             found = platform_list(robot, q, kind, before)
@@ -75,7 +75,7 @@ class PlatformLayer(Layer):
         q, kind, _ = asked
         if kind == self._kind:
             (self._list, self._facts), self._facts_at = found, q
-            self._place.platform.know(self._list)
+            self._context.platform.know(self._list)
 
     def _show_arrows(self) -> None:
         facts = self._facts if self._on["arrows"] else None
@@ -83,9 +83,9 @@ class PlatformLayer(Layer):
             self._lost.show(None, LOST)
             self._free.show(None, FREE)
             return
-        platform, report = self._place.platform, facts.report
+        platform, report = self._context.platform, facts.report
         at = platform.mechanism.pose(self._facts_at)[:3, 3]
-        arrows = partial(twist_arrows, at, reach=self._place.seen.reach)
+        arrows = partial(twist_arrows, at, reach=self._context.seen.reach)
         self._lost.show(arrows(report.lost_directions), LOST)
         free = len(report.free_directions) > 0
         self._free.show(

@@ -30,7 +30,7 @@ class PlatformContoursLayer(ContoursLayer):
     def _named(self) -> tuple[tuple[str, ...], str]:
         """Name the equations, or say why there are none."""
         try:
-            self._equations = self._at(self._place.platform.values)
+            self._equations = self._at(self._context.platform.values)
         except BadValueError:
             return (), _MISSING
         first, *rest = self._equations.names
@@ -40,7 +40,7 @@ class PlatformContoursLayer(ContoursLayer):
 
     def _drawn(self) -> tuple[Array, Array | None]:
         """Return the values of the drives; the platform is not marked."""
-        return self._place.platform.values, None
+        return self._context.platform.values, None
 
     def problem(self, pair: tuple[int, int]) -> CurveProblem | None:
         """Return the contours for the drives; None if they have been switched off."""
@@ -60,7 +60,7 @@ class PlatformContoursLayer(ContoursLayer):
         equations, drives = self._equations, self._target
         if drives is None:
             return
-        platform = self._place.platform
+        platform = self._context.platform
         mechanism = platform.mechanism
         for angles in equations.solutions_at(*found.point.tolist()):
             rows = mechanism.postures(equations.pose(angles).real, seed=platform.q).q
@@ -72,4 +72,4 @@ class PlatformContoursLayer(ContoursLayer):
         raise BadValueError("assembly mode", found.point.tolist(), "one within the joint limits")
 
     def _at(self, drives: Array) -> PlatformEquations:
-        return platform_equations(self._place.platform.robot, drives)  # type: ignore[arg-type]
+        return platform_equations(self._context.platform.robot, drives)  # type: ignore[arg-type]

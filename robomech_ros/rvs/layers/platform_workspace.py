@@ -36,15 +36,15 @@ class PlatformWorkspaceLayer(Layer):
 
     label, order = "Workspace", 20
 
-    def __init__(self, place: LayerContext) -> None:
-        super().__init__(place)
+    def __init__(self, context: LayerContext) -> None:
+        super().__init__(context)
         self._parts = {label: _Part(label) for label in LABELS}
         self._on = dict.fromkeys(LABELS, False)
-        self._switches = Switches(place, {label: label for label in LABELS}, self._on, self._set)
+        self._switches = Switches(context, {label: label for label in LABELS}, self._on, self._set)
 
     def show(self) -> None:
         """Follow the robot, where it is wanted."""
-        q = self._place.platform.q
+        q = self._context.platform.q
         for part in self._parts.values():
             if part.on and not np.array_equal(q, part.asked):
                 part.asked = q
@@ -67,7 +67,7 @@ class PlatformWorkspaceLayer(Layer):
     def _found(self, part: _Part, q: Any) -> PlatformReach | str:
         """Find the boundary, or say why there is none; on the thread of the layer."""
         try:
-            return platform_reach(self._place.platform.robot, q, turns=part.turns)
+            return platform_reach(self._context.platform.robot, q, turns=part.turns)
         except RobomechError as error:
             return f"No {part.label}: {error}."
 
@@ -83,11 +83,11 @@ class PlatformWorkspaceLayer(Layer):
         part.nodes = []
         if part.reach is None:
             return
-        scene, root = self._place.server.scene, f"{self._place.base}/{part.label}"
+        scene, root = self._context.server.scene, f"{self._context.base}/{part.label}"
         for number, (cause, piece) in enumerate(part.reach.parts.items()):
             name, colour = f"{root}_{number}", part.reach.colours[cause]
             if part.reach.flat:
-                width = WIDTH * self._place.seen.reach
+                width = WIDTH * self._context.seen.reach
                 node = scene.add_line_segments(name, piece, colour, thickness=width)
             else:
                 faces = np.arange(3 * len(piece)).reshape(-1, 3)

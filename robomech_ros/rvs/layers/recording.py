@@ -28,10 +28,10 @@ class RecordingLayer(Layer):
 
     label, order = "Keep", 60
 
-    def __init__(self, place: LayerContext) -> None:
-        super().__init__(place)
+    def __init__(self, context: LayerContext) -> None:
+        super().__init__(context)
         self.recorder = Recorder()
-        self.known: KnownBrowsers = place.kept.setdefault("keeping", KnownBrowsers())
+        self.known: KnownBrowsers = context.saved_values.setdefault("keeping", KnownBrowsers())
         self.known.notice = self.notice
         self._client: Any = None
         self.record: Any = None
@@ -43,7 +43,7 @@ class RecordingLayer(Layer):
     def show(self) -> None:
         """Keep where the arm is."""
         recorder = self.recorder
-        if recorder.running and not recorder.add(time.monotonic(), self._place.arm.q):
+        if recorder.running and not recorder.add(time.monotonic(), self._context.arm.q):
             self._end()
         self.notice()
 
@@ -88,43 +88,43 @@ class RecordingLayer(Layer):
         if self.recorder.running:
             self._end()
         else:
-            self.recorder.begin(time.monotonic(), self._place.arm.q)
+            self.recorder.begin(time.monotonic(), self._context.arm.q)
             self._label()
 
     def download(self, client: Any) -> None:
         """Send the plan that is shown to a browser, as a page in a file."""
-        place = self._place
-        motion, name, world = place.plan.motion, place.chain.name, place.arm.world
+        context = self._context
+        motion, name, world = context.plan.motion, context.chain.name, context.arm.world
         if motion is None:
             raise BadValueError("plan", "none", "a plan or a recording to be saved")
-        title = f"{name}: {place.plan.name}"
-        objects = world.objects if world is not None and place.switched()["objects"] else {}
+        title = f"{name}: {context.plan.name}"
+        objects = world.objects if world is not None and context.switched()["objects"] else {}
 
         def write() -> None:
-            page = motion_page(place.description, motion, title, objects=objects)
+            page = motion_page(context.description, motion, title, objects=objects)
             client.send_file_download(f"{name}.html", page.encode(), save_immediately=True)
 
         self._worker.submit("download", write)
 
     def restore(self, text: str, client: Any) -> None:
         """Show what a text says, or refuse it as a whole."""
-        place = self._place
+        context = self._context
         # What is refused does not stay in the address.
         self.written = ""
-        state = state_from_text(text, place.chain.n, tuple(place.switched()))
-        place.arm.move_to(place.arm.checked(state.q))
+        state = state_from_text(text, context.chain.n, tuple(context.switched()))
+        context.arm.move_to(context.arm.checked(state.q))
         for what, shown in state.shown.items():
-            place.switch(what, shown)
+            context.switch(what, shown)
         client.camera.position, client.camera.look_at = state.eye, state.at
 
     # What happens inside.
 
     def _end(self) -> None:
         try:
-            motion = self.recorder.end(time.monotonic(), self._place.chain)
+            motion = self.recorder.end(time.monotonic(), self._context.chain)
         finally:
             self._label()
-        self._place.plan.show(motion, "recording")
+        self._context.plan.show(motion, "recording")
 
     def _label(self) -> None:
         if self.is_open:
@@ -133,14 +133,14 @@ class RecordingLayer(Layer):
     def _follow(self) -> None:
         # Once for each change.
         self._ticker.stop()
-        self._place.run("address", self._write)
+        self._context.run("address", self._write)
 
     def _write(self) -> None:
-        place = self._place
+        context = self._context
         if not self.is_open or self._ticker.is_closed:
             return
         camera = self._client.camera
-        state = ViewState(place.arm.q, camera.position, camera.look_at, place.switched())
+        state = ViewState(context.arm.q, camera.position, camera.look_at, context.switched())
         text = text_from_state(state)
         if text != self.written:
             self.written = self.view.value = text

@@ -70,11 +70,11 @@ class WalkingLayer(Layer):
 
     label, order, expanded = "Feet", 3.6, True
 
-    def __init__(self, place: LayerContext) -> None:
-        super().__init__(place)
-        self._robot = place.robot_of(WalkerView)
-        self._nodes = SupportNodes(place.space)
-        self._switches = Switches(place, {SHOWN: SHOWN}, {SHOWN: True})
+    def __init__(self, context: LayerContext) -> None:
+        super().__init__(context)
+        self._robot = context.robot_of(WalkerView)
+        self._nodes = SupportNodes(context.space)
+        self._switches = Switches(context, {SHOWN: SHOWN}, {SHOWN: True})
         self._gait: Any = None
 
     def show(self) -> None:

@@ -68,17 +68,17 @@ class WorkspaceLayer(Layer):
 
     label, order = "Workspace", 20
 
-    def __init__(self, place: LayerContext) -> None:
-        super().__init__(place)
-        usual = ORIENTATIONS[place.chain.n < ALL_ORIENTATIONS]
+    def __init__(self, context: LayerContext) -> None:
+        super().__init__(context)
+        usual = ORIENTATIONS[context.chain.n < ALL_ORIENTATIONS]
         # The next robot shows the same, but for the map, which is of one robot.
-        self._chosen: Choices = place.kept.setdefault("map", Choices(orientations=usual))
-        self._on: dict[str, bool] = place.kept.setdefault(
+        self._chosen: Choices = context.saved_values.setdefault("map", Choices(orientations=usual))
+        self._on: dict[str, bool] = context.saved_values.setdefault(
             "workspace", {"boundary": False, "reach_map": False, "cut": True}
         )
         # A map may take minutes, in which the boundary is not to wait.
         self._mapper = Worker()
-        self._nodes = WorkspaceNodes(place.space, self._clicked)
+        self._nodes = WorkspaceNodes(context.space, self._clicked)
         self._view: SectionView | None = None
         self._refused, self._asked = "", False
         self._map: ReachMap | None = None
@@ -90,8 +90,8 @@ class WorkspaceLayer(Layer):
         self._client: Any = None
         # Whether the eye is to move back, as soon as what was switched on is drawn around it.
         self._around_eye = False
-        place.extents["workspace"] = self._extent
-        self._switches = Switches(place, LABELS, self._on, self._switched)
+        context.extents["workspace"] = self._extent
+        self._switches = Switches(context, LABELS, self._on, self._switched)
 
     # What a page calls.
 
@@ -105,7 +105,7 @@ class WorkspaceLayer(Layer):
         self._write()
         if self._around_eye and self.is_open and len(self._nodes.extent):
             self._around_eye = False
-            fit_view(self._place, self._client)
+            fit_view(self._context, self._client)
 
     def controls(self, client: Any) -> Controls:
         """Give a browser the folder "Workspace"."""
@@ -135,7 +135,7 @@ class WorkspaceLayer(Layer):
         self._cancel = folder.button("Cancel", self._cancel_map)
         self._legend = folder.text()
         self._switches.add_to(folder, "cut", "Leave a sector open, so that one sees inside")
-        self._see = folder.button("See all of it", partial(fit_view, self._place, self._client))
+        self._see = folder.button("See all of it", partial(fit_view, self._context, self._client))
 
     def close(self) -> None:
         """Stop what runs."""
@@ -160,7 +160,7 @@ class WorkspaceLayer(Layer):
     def _go_to_section(self, text: Any) -> None:
         if self._view is None:
             raise BadValueError(POINT, text, "nothing: there is no section")
-        self._place.arm.drag(self._view.target(_pair(text), self._place.arm.tip))
+        self._context.arm.drag(self._view.target(_pair(text), self._context.arm.tip))
 
     def _clicked(self, client: Any, point: Array) -> None:
         """Take a point of the map as the tip's target, with the present orientation."""
@@ -168,15 +168,15 @@ class WorkspaceLayer(Layer):
             self.ask("point", self._go_to_point, point)
 
     def _go_to_point(self, point: Array) -> None:
-        T = self._place.arm.tip.copy()
+        T = self._context.arm.tip.copy()
         T[:3, 3] = point
-        self._place.arm.drag(T)
+        self._context.arm.drag(T)
 
     def _begin_map(self) -> None:
         if not self._on["reach_map"]:
             raise RobomechError("Turn on the reach map before computing it.")
         self._leave_off()
-        chosen, T, wanted = self._chosen, self._place.arm.tip, self._wanted
+        chosen, T, wanted = self._chosen, self._context.arm.tip, self._wanted
         how = (chosen.orientations, chosen.density)
         self._running, self._said = True, "Beginning ..."
         self._around_eye = True
@@ -189,7 +189,7 @@ class WorkspaceLayer(Layer):
 
     def _extent(self) -> Array:
         """Return points (k, 3) in the root around what is shown (m)."""
-        T = self._place.seen.tree.link_poses()[self._place.chain.base]
+        T = self._context.seen.tree.link_poses()[self._context.chain.base]
         return self._nodes.extent @ T[:3, :3].T + T[:3, 3]
 
     def _leave_off(self) -> None:
@@ -201,9 +201,9 @@ class WorkspaceLayer(Layer):
 
     def _found(self) -> tuple[SectionView | None, str]:
         try:
-            return section_view(self._place.chain), ""
+            return section_view(self._context.chain), ""
         except RobomechError as error:
-            return None, why_no_section(self._place.chain, error)
+            return None, why_no_section(self._context.chain, error)
 
     def _know(self, found: tuple[SectionView | None, str]) -> None:
         self._view, self._refused = found
@@ -215,7 +215,7 @@ class WorkspaceLayer(Layer):
             self._report(wanted, f"{done} of {total} points ...", True)
 
         try:
-            found = computed_map(self._place.chain, *chosen, T, progress)
+            found = computed_map(self._context.chain, *chosen, T, progress)
         except _MapCancelledError:
             return
         except RobomechError as error:
@@ -244,7 +244,7 @@ class WorkspaceLayer(Layer):
         if self._drawn.get("boundary") != self._on["cut"]:
             self._drawn["boundary"] = self._on["cut"]
             self._nodes.show_boundary(view, cut=self._on["cut"])
-        self._nodes.place_section(view.plane(self._place.arm.tip))
+        self._nodes.place_section(view.plane(self._context.arm.tip))
 
     def _show_points(self) -> None:
         found, measure = self._map, self._chosen.measure
@@ -270,7 +270,9 @@ class WorkspaceLayer(Layer):
             fill = script_that_fills(POINT)
             self._plot.content = "" if section is None else draw_section(section, fill)
         self._ring.content = (
-            "" if section is None else here_rule(section, section.coordinates(self._place.arm.tip))
+            ""
+            if section is None
+            else here_rule(section, section.coordinates(self._context.arm.tip))
         )
         self._point.visible = section is not None
         self._text.content = ""

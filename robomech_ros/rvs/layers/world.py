@@ -43,16 +43,16 @@ class WorldLayer(Layer):
 
     def __init__(
         self,
-        place: LayerContext,
+        context: LayerContext,
         scene: PlanningScene | None = None,
         robot: LiveRobot | None = None,
     ) -> None:
-        super().__init__(place)
+        super().__init__(context)
         self._robot = robot
         # Made with the first scene: before, the collision library is not loaded.
         self._nodes: tuple[ObjectNodes, DistanceNodes] | None = None
         self._on = dict.fromkeys(LABELS, True)
-        self._switches = Switches(place, LABELS, self._on)
+        self._switches = Switches(context, LABELS, self._on)
         # Posture of a running robot; what was drawn last; the version of the world for which
         # postures were listed; the object with the gizmo, and whether it is held.
         self._q: Array | None = None
@@ -62,14 +62,14 @@ class WorldLayer(Layer):
         self._client: Any = None
         self._gizmo: Any = None
         self._choice: Any = None
-        place.extents["world"] = self._extent
-        place.followers.append(self._follow)
+        context.extents["world"] = self._extent
+        context.followers.append(self._follow)
         if scene is not None:
             from robomech_ros.rvs.model.world import scene_for
 
             # Another robot of the same page keeps the objects where they were dragged.
-            objects = place.kept.get("world", scene)
-            self._take(scene_for(place.chain, scene, objects))
+            objects = context.saved_values.get("world", scene)
+            self._take(scene_for(context.chain, scene, objects))
             self.show()
         if robot is not None:
             robot.follow_world(self)
@@ -78,7 +78,7 @@ class WorldLayer(Layer):
 
     def show(self) -> None:
         """Follow the arm, or the running robot, and the objects."""
-        world = self._place.arm.world
+        world = self._context.arm.world
         if world is None:
             self._write("no planning scene has come yet")
         else:
@@ -88,7 +88,7 @@ class WorldLayer(Layer):
     def _draw(self, world: WorldView) -> None:
         assert self._nodes is not None
         objects, line = self._nodes
-        q = self._place.arm.q if self._q is None else self._q
+        q = self._context.arm.q if self._q is None else self._q
         now = (world, world.version, q.tobytes(), *self._on.values())
         if now != self._shown:
             self._shown = now
@@ -100,9 +100,9 @@ class WorldLayer(Layer):
     def controls(self, client: Any) -> Controls:
         """Return the folder, and the gizmo of the chosen object, for the commanding browser."""
         self._dragged, self._held, self._shown = NOTHING, False, None
-        self._client, size = client, SIZE * self._place.seen.reach
+        self._client, size = client, SIZE * self._context.seen.reach
         self._gizmo = gizmo = client.scene.add_transform_controls(
-            f"{self._place.base}/object", size, depth_test=False, visible=False
+            f"{self._context.base}/object", size, depth_test=False, visible=False
         )
 
         @gizmo.on_update
@@ -112,7 +112,7 @@ class WorldLayer(Layer):
             elif event.phase == "end":
                 self._held = False
                 # Unlike a request, this keeps the notice of a refused drag.
-                self._place.run((self, "release"), self.show)
+                self._context.run((self, "release"), self.show)
             elif self._held:
                 wxyz, position = np.roll(gizmo.wxyz, -1), gizmo.position.copy()
                 self.ask("drag", self._drag, position, wxyz)
@@ -132,7 +132,7 @@ class WorldLayer(Layer):
         self._dragged = as_choice("object", name, self._choices())
 
     def _drag(self, position: Array, quaternion: Array) -> None:
-        world = self._place.arm.world
+        world = self._context.arm.world
         if world is None or self._nodes is None or self._dragged not in world.movable:
             return
         pose = pose_from_position_quaternion(position, quaternion)
@@ -157,16 +157,16 @@ class WorldLayer(Layer):
         self.ask("scene", self._take, scene)
 
     def _follow(self, positions: Mapping[str, float]) -> None:
-        self._place.run((self, "follow"), partial(self._follow_robot, dict(positions)))
+        self._context.run((self, "follow"), partial(self._follow_robot, dict(positions)))
 
     def _take(self, scene: PlanningScene) -> None:
-        arm, place = self._place.arm, self._place
+        arm, context = self._context.arm, self._context
         if arm.world is None:
             from robomech_ros.rvs.model.world import WorldView
             from robomech_ros.rvs.page.object_nodes import DistanceNodes, ObjectNodes
 
-            objects = ObjectNodes(place.space, place.path, self._clicked)
-            self._nodes = objects, DistanceNodes(place.space)
+            objects = ObjectNodes(context.space, context.path, self._clicked)
+            self._nodes = objects, DistanceNodes(context.space)
             arm.world = WorldView(scene)
         else:
             held = self._dragged
@@ -176,10 +176,10 @@ class WorldLayer(Layer):
                 scene.move(held, arm.world.objects[held].pose)
             arm.world.replace(scene)
         if self._robot is None:
-            place.kept["world"] = scene
+            context.saved_values["world"] = scene
 
     def _follow_robot(self, positions: Mapping[str, float]) -> None:
-        arm, world = self._place.arm, self._place.arm.world
+        arm, world = self._context.arm, self._context.arm.world
         self._q = np.array([positions[name] for name in arm.state_joints])
         if world is None:
             return
@@ -188,11 +188,11 @@ class WorldLayer(Layer):
         if world.version == before != self._listed:
             # Joints outside the arm have moved: the contacts of the postures are outdated.
             self.ask("others", lambda: None)
-        with self._place.server.atomic():
+        with self._context.server.atomic():
             self._draw(world)
 
     def _choices(self) -> tuple[str, ...]:
-        world = self._place.arm.world
+        world = self._context.arm.world
         return (NOTHING, *(world.movable if world is not None else ()))
 
     def _show_gizmo(self, world: WorldView, objects: ObjectNodes) -> None:
@@ -221,7 +221,7 @@ class WorldLayer(Layer):
 
     def _extent(self) -> Array:
         """Return points (k, 3) in the root around the objects (m)."""
-        arm = self._place.arm
+        arm = self._context.arm
         if self._nodes is None:
             return np.empty((0, 3))
-        return self._nodes[0].corners(self._place.seen.tree.link_poses(arm.positions), arm.base)
+        return self._nodes[0].corners(self._context.seen.tree.link_poses(arm.positions), arm.base)

@@ -31,7 +31,7 @@ PALETTE: tuple[Rgb, ...] = (
 )
 # What a ghost's drums and bars measure across of those of the robot, so that a body hides the ghost
 # in it; along, they are less short by this part.
-SLIMNESS, ALONG = 0.8, 0.2
+RADIUS_SCALE, ALONG = 0.8, 0.2
 # Pieces of two ghosts that are apart by less than this part of their radius are drawn as one: two
 # surfaces at one place show as patches.
 SAME, NOTHING = 0.02, 1e-6
@@ -68,11 +68,14 @@ class Ghosts:
     """The pieces of an arm, for as many postures as there are.
 
     - ``shapes``: generated shapes of its links.
-    - ``slimness``: relative radius; of ghosts at the same place, the slimmer is inside the other.
+    - ``radius_scale``: factor of all radii; one of two ghosts in the same posture is thinner.
     """
 
     def __init__(
-        self, chain: SerialChain, shapes: Mapping[str, Sequence[Shape]], slimness: float = SLIMNESS
+        self,
+        chain: SerialChain,
+        shapes: Mapping[str, Sequence[Shape]],
+        radius_scale: float = RADIUS_SCALE,
     ) -> None:
         self._chain = chain
         known = [frame.name for frame in chain.frames if frame.joints > 0]
@@ -85,7 +88,7 @@ class Ghosts:
         self._pose = np.array([shape.pose for _, shape in rows]).reshape(-1, 4, 4)
         measures = [(s.radius, s.radius, s.length) for _, s in rows]
         self._scale = np.array(measures).reshape(-1, 3) * (
-            (slimness, slimness, 1.0 - ALONG * (1.0 - slimness))
+            (radius_scale, radius_scale, 1.0 - ALONG * (1.0 - radius_scale))
         )
 
     @property

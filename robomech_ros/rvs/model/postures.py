@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinematics import inverse_kinematics
 from robomech_ros.kinematics.inverse.nearest_posture import least_squares_posture
 from robomech_ros.kinematics.inverse.request.request import as_request
@@ -81,12 +82,11 @@ class PoseStudy:
         if not self.postures:
             return f"No posture: {self.reason or self.status.name}."
         count = len(self.postures)
-        noun = "posture" if count == 1 else "postures"
         if self.complete:
             what = "this is the only one" if count == 1 else "these are all"
         else:
             what = "there may be more"
-        text = f"{count} {noun} inside the limits; {what}."
+        text = f"{counted(count, 'posture')} inside the limits; {what}."
         return f"{text} {self.reason[0].upper()}{self.reason[1:]}." if self.reason else text
 
 

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.rvs.model.curves.curve_drawing import COLOURS, Mark, draw_curves, place_script
 from robomech_ros.rvs.model.curves.curve_problems import CurveProblem, Finding, pair_of_numbers
 from robomech_ros.rvs.page.tables import notice, small_text
@@ -168,7 +169,7 @@ class CurveView:
             self._present(self._legend() + notice([f"Refused: {error}"]))
             return
         count, roots = len(self._found), sum(each.is_root for each in self._found)
-        text = f"{count} crossings: {roots} {self._owner.roots} (discs)"
+        text = f"{counted(count, 'crossing')}: {roots} {self._owner.roots} (discs)"
         text += f", {count - roots} spurious (diamonds)." if problem.others else "."
         self._present(self._legend() + small_text([text]))
 
@@ -216,7 +217,7 @@ class CurveView:
         )
         lengths = np.linalg.norm(np.diff(found.path, axis=0), axis=1).tolist()
         steps = ", ".join(f"{length:.0e}" for length in lengths)
-        sentences = [f"{values}, after {len(lengths)} steps: {steps}{unit}."]
+        sentences = [f"{values}, after {counted(len(lengths), 'step')}: {steps}{unit}."]
         left = f"the other {problem.others} equations leave {found.left_over:.2g} of their size."
         if problem.others == 1:
             left = f"the other equation leaves {found.left_over:.2g} of its size."

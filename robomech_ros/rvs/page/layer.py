@@ -98,8 +98,8 @@ class LayerContext:
     switch: Callable[[str, bool], None]
     #: Switches that layers offer, by their names on the page.
     offered: dict[str, Switch]
-    #: Values that layers leave for the layers of the next robot, by name.
-    kept: dict[str, Any]
+    #: Values that layers save for the layers of the next robot, by name.
+    saved_values: dict[str, Any]
     #: Hides ghosts and gizmo for a while, or shows those again that are switched on; in requests
     #: alone.
     reveal: Callable[[bool], None]
@@ -165,8 +165,8 @@ class Layer:
 
     label, order, expanded, asks = "", 0.0, False, True
 
-    def __init__(self, place: LayerContext) -> None:
-        self._place = place
+    def __init__(self, context: LayerContext) -> None:
+        self._context = context
         self._folder: Folder | None = None
         self._table: Any = None
 
@@ -186,7 +186,7 @@ class Layer:
     def _add_folder(self, gui: Any, label: str, order: float, **options: Any) -> Folder:
         if self.asks:
             options["ask"] = self.ask
-        return Folder(gui, self._place.units, label, order, **options)
+        return Folder(gui, self._context.units, label, order, **options)
 
     def _fill(self, folder: Folder, gui: Any) -> None:
         """Add the controls to a folder of a browser (viser.GuiApi)."""
@@ -212,7 +212,7 @@ class Layer:
 
     def ask(self, kind: Hashable, request: Callable[..., None], *arguments: Any) -> None:
         """Have a request done on the thread of the page, with these arguments."""
-        self._place.ask((self, kind), partial(request, *arguments))
+        self._context.ask((self, kind), partial(request, *arguments))
 
     def find(self, kind: Hashable, search: Callable[[], Any], take: Callable[[Any], None]) -> None:
         """Find something on a thread of the layer, and take it on that of the page."""

@@ -48,7 +48,7 @@ class RobotPage(ServedPage):
         self._switches = dict(AT_FIRST)
         self._dark: set[int] = set()
         self._revealed = True
-        self._kept: dict[str, Any] = {}
+        self._saved: dict[str, Any] = {}
         self._units = Units()
         arm: DraggableRobot = ArmView(moved) if isinstance(moved, SerialChain) else moved
         seen = load_visual_model(description)
@@ -91,7 +91,7 @@ class RobotPage(ServedPage):
         self._stage.show(arm, ())
         self._plan = PlanView()
         self._offered: dict[str, Switch] = {}
-        place = LayerContext(
+        context = LayerContext(
             server=viser,
             seen=seen,
             moved=arm,
@@ -104,7 +104,7 @@ class RobotPage(ServedPage):
             switched=self._switched,
             switch=self._switch,
             offered=self._offered,
-            kept=self._kept,
+            saved_values=self._saved,
             reveal=self._reveal,
             separate=self._stage.separate,
             fade=self._stage.fade,
@@ -113,7 +113,7 @@ class RobotPage(ServedPage):
             root_pose=lambda: self._stage.root_pose,
             units=self._units,
         )
-        self._layers = [make(place) for make in self._makers]
+        self._layers = [make(context) for make in self._makers]
         self._stage.show(arm, ())
 
     # What browsers ask for, on threads of the server.

@@ -19,7 +19,7 @@ class Switches:
 
     def __init__(
         self,
-        place: LayerContext,
+        context: LayerContext,
         labels: Mapping[str, str],
         on: dict[str, bool],
         changed: Callable[[str, bool], None] = lambda name, asked: None,
@@ -27,7 +27,7 @@ class Switches:
         self._labels, self._on, self._changed = labels, on, changed
         self._folder: Folder | None = None
         for name, label in labels.items():
-            place.offered[label] = Switch(partial(on.__getitem__, name), partial(self.turn, name))
+            context.offered[label] = Switch(partial(on.__getitem__, name), partial(self.turn, name))
 
     def __getitem__(self, name: str) -> bool:
         return self._on[name]

@@ -179,8 +179,8 @@ class WakeUp(asyncio.Event):
     """An event that is set on the thread of its loop alone.
 
     viser sets the event of its senders at once, on whatever thread has a message, and then has the
-    loop set it.  A sender that begins to wait between the two finds it not set, and never hears of
-    it: what is set already wakes nobody.  Here the first does nothing.
+    loop set it.  A sender that begins to wait between the two finds it not set, and is never
+    woken, since the event is set already.  Here the first does nothing.
 
     - ``loop``: event loop of the server.
     """

@@ -31,7 +31,7 @@ def test_a_full_queue(robot, dispatcher):
     robot.lacking = "controller"
     for _ in range(3):
         dispatcher.offer(delivery(), 0.0)
-    with pytest.raises(QueueFullError, match="3 trajectories are waiting already"):
+    with pytest.raises(QueueFullError, match="the queue is full, with 3 waiting"):
         dispatcher.offer(delivery(), 0.0)
 
 

@@ -485,7 +485,7 @@ def test_plot_trajectory_takes_the_latched_topic(capfd, tmp_path, graph):
     publisher.publish(message)
     path = str(tmp_path / "latched.png")
     code, out, _ = run(capfd, "plot-trajectory", "--topic", "planned", "--output", path)
-    assert (code, out) == (0, f"{path}: 1 joints, 2 points, 1 s\n")
+    assert (code, out) == (0, f"{path}: 1 joint, 2 points, 1 s\n")
     options = ("--topic", "nobody", "--timeout", "0.3", "--output", path)
     code, _, err = run(capfd, "plot-trajectory", *options)
     assert code == 3 and "nothing came on topic 'nobody' within 0.3 s" in err

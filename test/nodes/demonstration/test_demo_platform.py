@@ -32,7 +32,8 @@ def test_ways_of_the_platform_can_be_planned(name, circle):
         assert ways == [None, None]
         return
     over, on = ways
-    assert (over.name, over.path, on.name, on.path) == ("place", "STRAIGHT", circle, "SPLINE")
+    assert (over.name, over.path_kind) == ("place", "STRAIGHT")
+    assert (on.name, on.path_kind) == (circle, "SPLINE")
     # Up, across, and down.
     assert over.waypoints[0][2, 3] > pick[2, 3]
     np.testing.assert_array_equal(over.waypoints[-1], place)

@@ -447,7 +447,7 @@ def test_a_batch_ends_in_its_time_and_says_what_is_left(graph, robot):
     assert 0 < left < 10_000
     assert set(codes[-left:]) == {ErrorCode.TIMED_OUT}
     assert set(codes[1:-left]) <= {ErrorCode.OUT_OF_REACH}
-    assert f"{left} of 10000 poses were left after 0.3 s" in response.error_msg
+    assert f"{10000 - left} of 10000 poses solved in 0.3 s" in response.error_msg
     assert "batch_timeout" in response.error_msg
     assert response.counts[0] >= 1
     assert len(response.solutions) == sum(response.counts) * chain.n

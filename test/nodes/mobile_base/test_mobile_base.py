@@ -336,7 +336,7 @@ def test_limits_that_are_given_replace_those_of_the_robot_and_follow_one_another
         (MobileBaseSettings(), "parameter 'drive' is ''; allowed is one of diff, omni"),
         (MobileBaseSettings(drive="swerve"), "'swerve'; allowed is one of diff"),
         (MobileBaseSettings(robot_description="mecanum", drive="diff"), "allowed is 'mecanum'"),
-        (replace(settings_of("diff"), right_wheel_names=()), "'right_wheel_names'.* 1 names"),
+        (replace(settings_of("diff"), right_wheel_names=()), r"'right_wheel_names'.* 1 name\b"),
         (replace(settings_of("tricycle"), steering_joints_names=()), "'steering_joints_names'"),
         (replace(settings_of("diff"), left_wheel_names=("right",)), "each joint once"),
         (replace(settings_of("mecanum"), rear_left_wheel_command_joint_name=""), "rear_left"),

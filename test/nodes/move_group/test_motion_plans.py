@@ -186,7 +186,7 @@ REFUSALS = {
     "path constraint": (
         {"path_constraints": path_constraint()},
         Codes.INVALID_GOAL_CONSTRAINTS,
-        "path_constraints.orientation_constraints has 1 entries",
+        "path_constraints.orientation_constraints has length 1",
     ),
     "visibility": ({"goal_constraints": [SEEING]}, Codes.INVALID_GOAL_CONSTRAINTS, "visibility"),
     "no goal": ({"goal_constraints": []}, Codes.INVALID_GOAL_CONSTRAINTS, "goal_constraints"),

@@ -68,7 +68,7 @@ def test_a_change_that_is_checked_late_stops_the_robot(worker):
     assert one.checked() == ""
     one.change(AWAY)
     time.sleep(0.6)
-    assert one.checked().startswith("a change of the scene was checked after up to 0.")
+    assert one.checked().startswith("the scene changed up to 0.")
     one.change(WALL)
     time.sleep(0.6)
     assert "'wall'" in one.checked()

@@ -166,7 +166,7 @@ def test_one_arm_out_of_reach_is_named(kinematics):
     ("links", "text"),
     [
         (["left_tool", "left_link_4"], "joint 'left_joint_1' moves both 'left_tool' and 'left_lin"),
-        (["left_tool"], "1 names in ik_link_names for 2 poses"),
+        (["left_tool"], "1 link in ik_link_names, expected one per pose: 2"),
     ],
 )
 def test_links_with_a_joint_in_common_are_refused(kinematics, links, text):

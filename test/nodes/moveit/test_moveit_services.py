@@ -292,7 +292,7 @@ def test_a_joint_constraint_chooses_another_solution(ur5e, known):
         constraint.position, constraint.tolerance_below = values.max() + 0.01, 0.001
         response = nearest_with(ur5e, joint_constraints=[constraint])
         assert response.error_code.val == MoveItErrorCodes.NO_IK_SOLUTION
-        for part in (f"all {len(known)} solutions", "joint_constraints[0]", joint):
+        for part in (f"{len(known)} solutions tried, these are all", "joint_constraints[0]", joint):
             assert part in response.error_code.message
 
 
@@ -465,7 +465,7 @@ REFUSALS = {
     "link": ({"ik_link_name": "nose"}, LINK, ["nose", "tool0"]),
     "base": ({"ik_link_name": PUMA.base}, LINK, [PUMA.base, "not moved"]),
     "names without poses": (
-        {"ik_link_names": ["tool0", "tool0"]}, LINK, ["2 names", "1 poses"],
+        {"ik_link_names": ["tool0", "tool0"]}, LINK, ["2 links", "one per pose: 1"],
     ),
     "two poses": (
         {"ik_link_names": ["tool0", "tool0"], "pose_stamped_vector": [target(), target()]},

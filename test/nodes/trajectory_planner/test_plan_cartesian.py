@@ -256,7 +256,7 @@ CASES = {
     "the start again": (
         {"waypoints": shifted([0, 0, 0])},
         ErrorCode.BAD_VALUE,
-        ["waypoints is '1 poses equal to the start', expected at least one other pose"],
+        ["waypoints is '1 pose equal to the start', expected at least one other pose"],
     ),
     "an arc through the start": (
         {"path": 2, "waypoints": shifted([0, 0, 0], [0.1, 0.1, 0])},

@@ -127,7 +127,7 @@ CASES = {
     "via points of a profile that takes none": (
         {"via": [JointTrajectoryPoint(positions=[0.0] * 6)], "profile": 2},
         ErrorCode.BAD_VALUE,
-        ["via is '1 points'", "none for CYCLOIDAL; POLY345, POLY4567, CUBIC_SPLINE, RUCKIG"],
+        ["via is '1 point'", "none for CYCLOIDAL; POLY345, POLY4567, CUBIC_SPLINE, RUCKIG"],
     ),
     "too many via points": (
         {"via": [JointTrajectoryPoint(positions=[0.1] * 6)] * 3},

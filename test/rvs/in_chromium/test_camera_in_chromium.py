@@ -34,7 +34,7 @@ def fills(tab, points):
 
 def robot_share(tab, page):
     """Share of the picture, in its wider direction, that the bodies of the robot take."""
-    place = page._layers[0]._place
+    place = page._layers[0]._context
     at = places(tab, visible_points(place.seen, [place.moved.positions]))
     return float(np.ptp(at, axis=0).max()) / 2.0
 
@@ -60,12 +60,12 @@ def test_the_robot_fills_the_picture_at_first_and_by_the_button():
         camera = next(one for one in page._layers if type(one).__name__ == "CameraLayer")
         with browser(page.url) as tab:
             tab.wait_for(TIP)
-            wait_until(lambda: fills(tab, shown_points(camera._place)))
+            wait_until(lambda: fills(tab, shown_points(camera._context)))
             q = page._arm.q + [1.5, -0.8, 0.6, 0.0, 0.5, 0.0]
             page._ask("posture", lambda: page._arm.move_to(q))
             wait_until(lambda: np.array_equal(page._arm.q, q))
             client = next(iter(page._server.viser.get_clients().values()))
             client.camera.position = 4.0 * client.camera.position
-            wait_until(lambda: not fills(tab, shown_points(camera._place)))
+            wait_until(lambda: not fills(tab, shown_points(camera._context)))
             press(tab, button("Fit view"))
-            wait_until(lambda: fills(tab, shown_points(camera._place)))
+            wait_until(lambda: fills(tab, shown_points(camera._context)))

@@ -13,6 +13,7 @@ from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.one_pose import DISTANCES, MARKED, TARGET
 from robomech_ros._kernels.inverse.quality import CONDITION, MARGIN, ORIENTATION, POSITION, measure
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinematics.inverse.request.task import FULL_TASK
 from robomech_ros.kinematics.inverse.result.branch_names import (
     branch_name,
@@ -132,10 +133,9 @@ class InverseKinematicsResult(Printed):
         return "\n".join(lines)
 
     def _headline(self) -> str:
-        noun = "solution" if len(self) == 1 else "solutions"
+        count = counted(len(self), "solution")
         more = "these are all" if self.complete else "there may be more"
-        name = self.chain.name
-        return f"{len(self)} {noun} of {name}, {more} ({self.family}, {self.status.name})"
+        return f"{count} of {self.chain.name}, {more} ({self.family}, {self.status.name})"
 
     def within(self, position: float, orientation: float) -> InverseKinematicsResult:
         """Return the solutions with errors of at most ``position`` m and ``orientation`` rad."""

@@ -14,6 +14,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from robomech_ros.errors import format_value
+from robomech_ros.errors.formatting import counted
 from robomech_ros.nodes.common.cooperative_wait import pause
 from robomech_ros.nodes.common.messages.error_codes import NoStateError, RobotMovesError
 from robomech_ros.nodes.middleware.polled_subscription import Inbox, UnreadableMessageError, unpack
@@ -106,7 +107,7 @@ class JointStateMonitor:
         tolerance: float = math.inf,
         units: Mapping[str, str] | None = None,
     ) -> Array:
-        """Return the positions (rad or m), shape (n,), when all joints were heard of and stand.
+        """Return the positions (n,) (rad or m) once all joints are known and at rest.
 
         - ``joint_names``: the n joints.
         - ``patience``: how long to wait for that at the most (s).
@@ -145,7 +146,7 @@ class JointStateMonitor:
         packed = self._inbox.take_packed()
         if not packed:
             return
-        # Newest first, until every joint ever heard of was seen: most messages stay packed.
+        # Newest first, until every known joint has a state: most messages stay packed.
         wanted = {*joint_names, *self._states}
         seen: dict[str, _JointSample] = {}
         newest_fault = ""
@@ -171,7 +172,7 @@ def _read(data: bytes) -> tuple[dict[str, _JointSample], str]:
         return {}, str(error)
     names, positions, velocities = message.name, message.position, message.velocity
     if len(names) != len(positions):
-        return {}, f"{len(positions)} positions for {len(names)} names"
+        return {}, f"{counted(len(positions), 'position')} for {counted(len(names), 'name')}"
     if len(set(names)) < len(names):
         twice = next(name for i, name in enumerate(names) if name in names[:i])
         return {}, f"{format_value(twice)} is in it twice"

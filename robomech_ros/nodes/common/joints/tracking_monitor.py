@@ -36,7 +36,7 @@ class TrackingMonitor:
         self._names, self._monitor = joints.joint_names, monitor
         self._tolerance, self._delay = tolerance, delay
         self._tracking = Tracking(joints, tolerance, delay)
-        # How many looks have heard of the joints, and when that became more (s).
+        # Number of received joint states, and the time (s) of the last one.
         self._updates, self._updated_at = 0, 0.0
         self._waits_from: float | None = None
         self._lags: deque[float] = deque(maxlen=_LOOKS)
@@ -50,7 +50,7 @@ class TrackingMonitor:
         position = self.position()
         update_count = self._monitor.update_count(self._names)
         if self._waits_from is None:
-            # What was heard before may be old: the next state is the present one.
+            # Earlier states may be old: the next one is the present one.
             self._waits_from, self._updates = now, update_count
         if position is None or update_count <= self._updates:
             return None
@@ -85,9 +85,9 @@ class TrackingMonitor:
         self._tracking.tell(time, position)
 
     def lag(self, now: float) -> float | None:
-        """Return the lag (s) of the joints behind the stream, the least of some looks.
+        """Return the least recent lag (s) of the joints behind the stream.
 
-        A state is some time old when it is heard, more or less.
+        The least, since the age of received states varies.
         """
         position = self.position()
         lag = None if position is None else self._tracking.lag(now, position)

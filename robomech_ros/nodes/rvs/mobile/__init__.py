@@ -1,1 +1,1 @@
-"""Robots that run over the ground: heard, and commanded by twists."""
+"""Mobile robots: reception of their states, and twist commands."""

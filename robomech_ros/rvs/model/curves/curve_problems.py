@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinematics.oracles.posture_contours import MINORS, Crossing, PostureContours
 from robomech_ros.numerics import CurveCrossing, CurvePair
 from robomech_ros.numerics.grid_crossings import Equations
@@ -127,8 +128,7 @@ def what_is_missing(chain: SerialChain) -> str:
     if chain.coupling is not None:
         why = "joints of this one follow others"
     elif chain.n != 6:
-        joint = "joint" if chain.n == 1 else "joints"
-        why = f"this one has {chain.n} {joint}"
+        why = f"this one has {counted(chain.n, 'joint')}"
     else:
         slides = [name for name, kind in zip(chain.joint_names, chain.types, strict=True) if kind]
         why = f"joint '{slides[0]}' of this one slides"

@@ -61,11 +61,11 @@ class PlatformGhosts:
     """The pieces of a parallel robot, for as many postures as there are.
 
     - ``reach``: size of the drawn robot (m).
-    - ``slimness``: relative radius; of ghosts at the same place, the slimmer is inside the other.
+    - ``radius_scale``: factor of all radii; one of two ghosts in the same posture is thinner.
     """
 
-    def __init__(self, mechanism: Mechanism, reach: float, slimness: float = 1.0) -> None:
-        self._mechanism, self._reach, self._slimness = mechanism, reach, slimness
+    def __init__(self, mechanism: Mechanism, reach: float, radius_scale: float = 1.0) -> None:
+        self._mechanism, self._reach, self._slimness = mechanism, reach, radius_scale
         limbs, joints = limb_points(mechanism, mechanism.home()[None], reach).shape[1:3]
         # Rods along the limbs, and from limb to limb around the platform.
         self.pieces = limbs * (joints - 1) + limbs

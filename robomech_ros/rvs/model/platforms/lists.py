@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robomech_ros.errors.formatting import counted
 from robomech_ros.parallel import (
     LoopSingularity,
     Mechanism,
@@ -47,9 +48,9 @@ def platform_list(
     if kind == LISTS[0]:
         found = mechanism.direct(q[mechanism.drive_index], seed=q)
         rows, names, complete = found.q, ["" for _ in found.q], found.complete
-        noun = "assembly mode" if len(rows) == 1 else "assembly modes"
+        count = counted(len(rows), "assembly mode")
         whether = "these are all" if complete else "there may be more"
-        text = f"{len(rows)} {noun} for these drives ({found.family}); {whether}."
+        text = f"{count} for these drives ({found.family}); {whether}."
     else:
         branches = mechanism.postures(mechanism.pose(q), seed=q)
         rows, names, complete = branches.q, list(branches.branches), True

@@ -29,7 +29,7 @@ from typing import Generic, NamedTuple, TypeVar
 from robomech_ros.errors import BadValueError
 
 AXES = "xyz"
-Held = TypeVar("Held")
+Command = TypeVar("Command")
 _HOLD = re.compile(r"(joint|linear|angular) ([0-9]{1,3}) ([+-]) ([0-9]{1,16}) ([0-9]{1,9})")
 
 
@@ -73,7 +73,7 @@ def read_beat(text: str, joints: int) -> HoldHeartbeat:
     return HoldHeartbeat(direction, int(found[4]), 1e-3 * int(found[5]))
 
 
-class JogSwitch(Generic[Held]):
+class JogSwitch(Generic[Command]):
     """A switch that is on only while somebody keeps saying so; for several threads.
 
     A press that has ended, for whatever reason, stays ended; see above for what ends it.
@@ -86,13 +86,13 @@ class JogSwitch(Generic[Held]):
     def __init__(self, silence: float, clock: Callable[[], float]) -> None:
         self._silence, self._clock = silence, clock
         self._change = threading.Condition()
-        self._what: Held | None = None
+        self._what: Command | None = None
         self._press = self._ended = -1
         # When the last word came, and when the press began, by the word that came fastest.
         self._last_beat = self._begun = 0.0
         self._closed = False
 
-    def hold(self, what: Held, press: int, age: float) -> None:
+    def hold(self, what: Command, press: int, age: float) -> None:
         """Go on with a press, or begin one.
 
         - ``what``: the held command.
@@ -117,7 +117,7 @@ class JogSwitch(Generic[Held]):
         with self._change:
             self._end()
 
-    def held(self) -> Held | None:
+    def held(self) -> Command | None:
         """Return what is held now; None if nothing is."""
         with self._change:
             self._end_if_silent()

@@ -38,7 +38,7 @@ class ViewMarker:
 
 
 @dataclass(frozen=True)
-class ServoNews:
+class ServoState:
     """Latest state of the servo."""
 
     #: Sentence on what limits the motion; empty if nothing does.

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from robomech_ros.errors.formatting import counted
 from robomech_ros.rvs.model.curves.curve_drawing import (
     SIDE,
     curve_line,
@@ -81,7 +82,7 @@ def section_legend(view: SectionView) -> str:
     """Write what the colours are, as HTML."""
     entries = []
     for count in np.unique(view.counts[view.counts > 0]).tolist():
-        text = f"{count} posture{'s' if count > 1 else ''}"
+        text = counted(count, "posture")
         entries.append(_SWATCH.format(style=f"background:{colour_of_count(count)}", text=text))
     ring = "border:2px solid #d6336c;border-radius:50%"
     return "".join([*entries, _SWATCH.format(style=ring, text="where it is now")])

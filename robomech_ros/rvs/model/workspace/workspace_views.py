@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robomech_ros.errors import BadValueError, RobomechError
+from robomech_ros.errors.formatting import counted
 from robomech_ros.kinetostatics import Workspace, workspace_boundary
 from robomech_ros.kinetostatics.workspace.positioning_part import positioning_part
 from robomech_ros.robots import SerialChain
@@ -167,7 +168,7 @@ def why_no_section(chain: SerialChain, error: RobomechError) -> str:
     try:
         positioning_part(chain)
     except BadValueError:
-        why = f"this arm has {chain.n} joint{'s' * (chain.n > 1)}"
+        why = f"this arm has {counted(chain.n, 'joint')}"
         slides = [
             name for name, kind in zip(chain.joint_names[3:], chain.types[3:], strict=True) if kind
         ]

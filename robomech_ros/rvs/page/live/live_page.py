@@ -19,18 +19,18 @@ class LivePage(Layer):
     """
 
     def __init__(
-        self, place: LayerContext, robot: Any, lines: Sequence[str], stop_hint: str
+        self, context: LayerContext, robot: Any, lines: Sequence[str], stop_hint: str
     ) -> None:
-        super().__init__(place)
+        super().__init__(context)
         self._running = robot
         # The browser that commands, or did last.
         self._commander: int | None = None
         # Buttons that jog, of the browser that commands; none of a robot that cannot be jogged.
         self._pads: list[HoldField] = []
         self._viewer_present, self._clients = threading.Event(), set[int]()
-        gui = place.server.gui
+        gui = context.server.gui
         # Messages on top of the panel, which every browser sees.
-        self._messages = place.units.html(gui, order=-0.2)
+        self._messages = context.units.html(gui, order=-0.2)
         self._speaking = threading.Lock()
         self._lines = dict.fromkeys(("state", *lines, "jog", "result"), "")
         stop = gui.add_button("Stop", color="red", hint=stop_hint, order=-0.15)
@@ -39,8 +39,8 @@ class LivePage(Layer):
         async def _(_: Any) -> None:
             self._stop()
 
-        place.server.on_client_connect(self._connected)
-        place.server.on_client_disconnect(self._disconnected)
+        context.server.on_client_connect(self._connected)
+        context.server.on_client_disconnect(self._disconnected)
 
     def close(self) -> None:
         """End what is jogged."""

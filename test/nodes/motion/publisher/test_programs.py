@@ -101,7 +101,7 @@ def test_a_program_moves_to_named_states_of_an_srdf(suite, tmp_path):
         lambda **options: suite(robot_description_semantic=semantic, **options),
         written(tmp_path, cycles=1, steps=steps),
     )
-    assert said == "3 steps, 1 cycles"
+    assert said == "3 steps, 1 cycle"
     arm.until(lambda: np.abs(arm.position - (HOME - 0.1)).max() < 1e-6)
     seen = np.array([state.position for state in arm.states])
     for place in (HOME + 0.05, ABOVE):

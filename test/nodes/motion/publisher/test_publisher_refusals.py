@@ -199,7 +199,7 @@ def test_a_full_queue_is_reported(suite):
     arm = suite(with_controller=False, queue_size=2)
     for _ in range(3):
         arm.plan(0.0, MOVE)
-    assert arm.value("waiting", lambda status: "waiting already" in status.message) == "2"
+    assert arm.value("waiting", lambda status: "the queue is full" in status.message) == "2"
 
 
 def test_a_flood_of_plans(suite):
@@ -208,7 +208,7 @@ def test_a_flood_of_plans(suite):
     for _ in range(1000):
         arm._planned.publish(plan)
         time.sleep(0.001)
-    said = "50 trajectories are waiting already, no more can be accepted"
+    said = "the queue is full, with 50 waiting; send it again later"
     refused = ("last refusal", said)
     full = arm.condition(lambda status: refused in [(v.key, v.value) for v in status.values])
     assert ("waiting", "50") in [(value.key, value.value) for value in full.values]

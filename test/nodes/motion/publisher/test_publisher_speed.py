@@ -155,7 +155,7 @@ def test_cancel_of_an_execution(suite):
     ]
     arm.until_moving()
     arm.condition(lambda status: any(v.key == "waiting" and v.value == "1" for v in status.values))
-    assert trigger(arm, "cancel") == (True, "2 trajectories dropped; the robot stops on its path")
+    assert trigger(arm, "cancel") == (True, "trajectories dropped: 2; the robot stops on its path")
     first, second = (ended(answer) for answer in waiting)
     assert first.error_code == second.error_code == ErrorCode.PREEMPTED
     assert "cancelled" in first.error_msg

@@ -80,7 +80,7 @@ def test_the_servo_says_once_that_points_come_late(hand, capfd):
     hand.until_still()
     said = [line for line in capfd.readouterr().err.splitlines() if "ms late" in line]
     assert len(said) == 1
-    assert "the lead rises to 10 periods (max_lead) at most" in said[0]
+    assert "the lead rises to at most 10 (max_lead)" in said[0]
     # More of each message is known beforehand.
     assert max(len(message.points) for _, message in hand.streamed) > 7
     assert_within(arm)
