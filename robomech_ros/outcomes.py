@@ -8,7 +8,7 @@ from enum import IntEnum
 
 
 class Code(IntEnum):
-    """How a request or a motion ends.
+    """Outcome of a request or a motion.
 
     0: success. 1xx: the request is wrong. 2xx: no solution exists, or the motion failed. 9xx: the
     node itself failed.

@@ -34,7 +34,7 @@ class FreeDirections:
 
     @property
     def is_axis(self) -> bool:
-        """Whether all rotations are about parallel axes."""
+        """True if all rotations are about parallel axes."""
         return len(self.directions) == 1
 
     def rotate_about_axis(self, A: Array, S: Array, use: Array, at: Array) -> None:

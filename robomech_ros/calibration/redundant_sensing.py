@@ -23,7 +23,7 @@ _FAR, _MEDIAN, _ROUNDING = 10.0, 0.6745, 1e-8
 
 @dataclass(frozen=True, eq=False)
 class MotionAgreement:
-    """Whether sensors agree on k motions, by what no place of a sensor changes.
+    """Agreement of sensors on k motions, by quantities independent of their poses.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ def _limits(given: ArrayLike | None, errors: list[Array], reach: float) -> tuple
         if (two <= 0.0).any():
             raise BadValueError("tolerance", two.tolist(), "two positive numbers")
         return float(two[0]), float(two[1])
-    # Of an odd number of sensors one is the median itself, and differs by nothing.
+    # With an odd number of sensors one is the median itself, without a difference.
     count = len(errors[0])
     own = [np.sort(one, axis=0)[1 if count % 2 and count > 1 else 0 :] for one in errors]
     noise = [_FAR * float(np.median(one)) / _MEDIAN for one in own]

@@ -1,4 +1,4 @@
-"""How finely a motion of the tip is sampled, and how long it may be."""
+"""Sampling of a motion of the tip, and its greatest length."""
 
 import math
 from collections.abc import Callable
@@ -17,7 +17,7 @@ _FINER = 0.95
 
 @dataclass(frozen=True)
 class Sampling:
-    """How finely a motion is sampled, and how long it may be.
+    """Sampling of a motion, and its greatest length.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Which part of an arm is singular at the end of a joint path."""
+"""Singular part of an arm at the end of a joint path."""
 
 from collections.abc import Sequence
 
@@ -53,7 +53,7 @@ def ever_faster(names: Sequence[str], units: Sequence[str], joints: JointPath) -
 
 
 def _stretches(chain: SerialChain, before: Array, q: Array) -> bool:
-    """Whether the wrist moves away from the shoulder.
+    """Return whether the wrist moves away from the shoulder.
 
     Both are the outer ones of three parallel axes; in other arms the second axis, and the last but
     one, where it is nearest to the tip.

@@ -228,7 +228,7 @@ def _domain() -> Finding:
 
 
 def _ports_given_away() -> range:
-    """Return the ports that the system gives to whoever asks for any."""
+    """Return the range of ports that the system assigns."""
     try:
         first, last = map(int, Path("/proc/sys/net/ipv4/ip_local_port_range").read_text().split())
     except (OSError, ValueError):

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 
 from robomech_ros.errors import RobomechError
 
-# What an argparse.Namespace of the command holds besides its options.
+# Entries of the command's argparse.Namespace besides its options.
 _NO_OPTIONS = ("command", "run")
 
 

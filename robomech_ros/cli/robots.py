@@ -78,7 +78,6 @@ def _rolling(name: str) -> tuple[str, str, str]:
 
 
 def _hand(name: str) -> tuple[str, str, str]:
-    """Return the fingers and the source of a hand."""
     hand = load_hand(name)
     limbs = [_letters(finger.types) for finger in hand.fingers]
     kinds = (f"{limbs.count(one)} x {one}" for one in dict.fromkeys(limbs))

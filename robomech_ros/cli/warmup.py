@@ -66,7 +66,7 @@ def demonstration_modules(robot: str, kind: str) -> tuple[str, ...]:
 
 
 def _is_redundant(robot: str) -> bool:
-    """Whether a robot is an arm of more than six joints."""
+    """Return whether a robot is an arm of more than six joints."""
     try:
         return load_robot(robot).n > 6
     except RobomechError:
@@ -152,13 +152,13 @@ def _remaining(needs: dict[str, frozenset[str]]) -> dict[str, int]:
 
 def _start_worker() -> None:
     """Prepare a process that compiles and does nothing else."""
-    # What it says of kernels that have to be compiled was said here.
+    # Its message on kernels to be compiled was printed here.
     logging.disable(logging.WARNING)
     _hash_options_faster()
 
 
 def _hash_options_faster() -> None:
-    """Let numba look up the options of a compilation directly, instead of through properties.
+    """Make numba look up the options of a compilation directly, instead of through properties.
 
     It hashes all of them for every call whose types it infers, a sixth of the whole time.
     """

@@ -1,7 +1,4 @@
-"""The world around a robot: clearance, motions proved free of contact, plans around obstacles.
-
-Each part is loaded on first use.
-"""
+"""The world around a robot: clearance, motions proved free, plans around obstacles."""
 
 from typing import TYPE_CHECKING
 

@@ -22,7 +22,7 @@ class _Part(NamedTuple):
 
 
 def convex_parts(triangles: Array, most: int) -> list[Array]:
-    """Cut a mesh by planes into parts, each of which its convex hull fills better.
+    """Cut a mesh by planes into parts that fill their convex hulls better.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def _cut(triangles: Array, axis: Array, height: float) -> list[_Part]:
     crossed = heights * below < 0.0
     share = np.divide(heights, heights - below, out=np.zeros_like(heights), where=crossed)
     places = corners + share[:, :, None] * (after - corners)
-    # Each corner, and behind it the place at which the edge to the next one crosses the plane.
+    # Each corner, then the crossing of the plane and the edge to the next corner.
     points = np.stack([corners, places], axis=2).reshape(-1, 6, 3)
     face = _face(np.concatenate([places[crossed], triangles[away == 0.0]]), axis)
     halves = []
@@ -115,7 +115,7 @@ def _face(points: Array, axis: Array) -> Array:
 
 
 def _fans(points: Array, valid: BoolArray) -> Array:
-    """Divide polygons, of which some of six points (m, 6, 3) are corners, into triangles."""
+    """Divide polygons, whose corners are some of six points (m, 6, 3), into triangles."""
     numbers = np.where(valid, np.arange(6), -1)
     # A point that is no corner stands for the corner before it, or for the first one.
     numbers = np.maximum.accumulate(numbers, axis=1)

@@ -18,7 +18,7 @@ _LONGEST = 1e3
 
 
 def check_departure(scene: PlanningScene, motion: PiecewisePolynomial) -> MotionCheck:
-    """Prove that a motion is free of contact once it has left the contact in which it begins.
+    """Prove that a motion is free of contact once it has left its first contact.
 
     Until all bodies are apart, the sampled depth must not exceed that at the start.
 

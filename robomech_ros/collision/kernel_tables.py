@@ -84,10 +84,7 @@ def _side(placed: Sequence[PlacedBody], k: int) -> tuple[str, int]:
 def _bodies_around_groups(
     placed: Sequence[PlacedBody], of_spheres: IntArray, spheres: Array, pairs: Array, grids: Array
 ) -> tuple[Array, Array]:
-    """Return rows of bodies, and spheres, around the sides of all groups with several pairs.
-
-    Their numbers are written to the grids.
-    """
+    """Return rows of bodies and spheres around groups of pairs; write their numbers to grids."""
     sides = [_side(placed, k) for k in range(len(placed))]
     members: dict[tuple[str, int], list[int]] = {}
     for k, side in enumerate(sides):

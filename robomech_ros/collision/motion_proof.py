@@ -43,7 +43,7 @@ _LOOK = 0.015
 # Travel (m) below which a part is not halved any more, and one that locates a contact well enough.
 RESOLUTION = 1e-5
 _FIRST = 1e-4
-# Shortest part of a piece in which a first contact is sought.
+# Shortest part of a piece for the search of a first contact.
 _SHORTEST = 1e-6
 # Number of open parts that one sweep may leave to coal.
 _PLACES = 4096

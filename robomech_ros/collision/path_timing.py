@@ -191,7 +191,7 @@ def _with_stops(points: Array, limits: Limits, profile: str) -> MotionThrough:
 def _stretched(
     parts: list[SampledPlan], seconds: float, limits: Limits
 ) -> list[PiecewiseTrajectory]:
-    """Let motions, one after the other, last a wanted time."""
+    """Scale successive motions to a desired total duration."""
     shortest = sum(part.trajectory.duration for part in parts)
     if seconds < shortest - DURATION_ROUNDING * (1.0 + shortest):
         curve = joined([part.trajectory.pieces for part in parts])

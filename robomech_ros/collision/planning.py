@@ -26,7 +26,7 @@ from robomech_ros.typing import Array
 
 # The longest step of a tree (rad and m together), of two that grow to each other and of others.
 _RANGE, _FAR = 0.8, 1.5
-# Shares of a motion at which contact is looked for first, in one for each of the longer steps.
+# Fractions of a motion at which contact is tested first, one for each longer step.
 _LOOKS = (0.5, 0.25, 0.75)
 # Tolerance of the least distance (m).
 _SLACK = 1e-6
@@ -358,7 +358,7 @@ def in_words(bodies: tuple[str, str], distance: float) -> str:
 
 
 def _leave(scene: Any, start: Array, request: PlanRequest) -> tuple[list[Array], str]:
-    """Find steps out of a contact on which the least distance grows; none if they fail."""
+    """Find steps out of a contact that increase the least distance; none if they fail."""
     found = scene.clearance(start)
     fault, words = _fault(found, request.clearance), in_words(found.bodies, found.distance)
     random = np.random.default_rng(request.seed)

@@ -108,7 +108,7 @@ class PlanningScene:
 
     @property
     def has_geometry(self) -> bool:
-        """Whether any link of the robot has a shape; without one nothing is checked."""
+        """True if any link of the robot has a shape; without one nothing is checked."""
         return bool(self._links)
 
     @property
@@ -188,7 +188,7 @@ class PlanningScene:
         pose: npt.ArrayLike | None = None,
         q: npt.ArrayLike | None = None,
     ) -> None:
-        """Let a link carry an object.
+        """Attach an object to a link.
 
         Parameters
         ----------
@@ -223,7 +223,7 @@ class PlanningScene:
         self._change({**self._objects, name: released})
 
     def allow(self, first: str, second: str, why: str = "allowed") -> None:
-        """Let two bodies touch, links or objects."""
+        """Allow two bodies to touch, links or objects."""
         known = {*self._places.links, *self._objects}
         for name in (first, second):
             if name not in known:

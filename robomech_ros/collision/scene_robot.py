@@ -14,7 +14,7 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.robots.description import RobotDescription
 from robomech_ros.robots.semantic import SemanticDescription
 
-# Random postures at all of which a pair must touch to count as built that way.
+# A pair that touches at all of so many random postures counts as built that way.
 _POSTURES = 64
 
 

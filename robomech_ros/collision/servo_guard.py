@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -77,7 +78,8 @@ class ServoGuard:
         while k < len(curves):
             curve = np.ascontiguousarray(curves[k])
             if touching and self._leads_deeper(curve, start, touching, whole=not first):
-                return self._ahead(start, self._deepest(start, touching), 0.0)
+                deepest = min(touching, key=partial(self._distance, start))
+                return self._ahead(start, deepest, 0.0)
             distances, proof = self._proof_without(touching)
             found = proof.obstruction(curve, first=first)
             if found is None:
@@ -107,9 +109,6 @@ class ServoGuard:
         later = curve[0] + (1.0 if whole else min(_STEP / moved, 1.0)) * travel
         least = (min(self._distance(q, names) for names in touching) for q in (later, start))
         return next(least) < next(least) - _TOLERANCE
-
-    def _deepest(self, q: Array, touching: frozenset[_Pair]) -> _Pair:
-        return min(touching, key=lambda names: self._distance(q, names))
 
     def _distance(self, q: Array, names: _Pair) -> float:
         """Compute the padded distance of two links or objects (m)."""

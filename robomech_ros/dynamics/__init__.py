@@ -1,7 +1,4 @@
-"""Dynamics of serial chains, and of bodies under constraints of any kind.
-
-Each part is loaded on first use, like those of the kinematics.
-"""
+"""Dynamics of serial chains, and of bodies under any constraints, loaded on first use."""
 
 from typing import TYPE_CHECKING
 

@@ -131,7 +131,7 @@ class ChainDynamics:
         return forward
 
     def compiled_servo(self, plant: ChainDynamics, law: ServoLaw) -> CompiledServo:
-        """Have a controller that knows this chain drive another."""
+        """Simulate a controller with the model of this chain on another chain."""
         return chain_servo(self.chain, plant.chain, law)
 
     def sampled_postures(self, count: int) -> Array:

@@ -69,7 +69,7 @@ CompiledServo = Callable[[DrivenState, Array, Array, Timing], ServoRun]
 
 
 def chain_servo(model: SerialChain, plant: SerialChain, law: ServoLaw) -> CompiledServo:
-    """Have a controller that knows one chain drive another."""
+    """Simulate a controller with the model of one chain on another chain."""
     if model.n > kernels.MOST_SERVO_JOINTS:
         raise BadValueError("number of joints", model.n, f"at most {kernels.MOST_SERVO_JOINTS}")
     moved, known = dynamic_model(plant), dynamic_model(model)

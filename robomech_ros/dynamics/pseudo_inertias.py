@@ -1,7 +1,7 @@
 """Pseudo-inertias of bodies: matrices that are positive definite for every possible body.
 
-Of a body with the ten parameters m, m c, and the moments xx, xy, xz, yy, yz, zz about the origin of
-its frame, it is ``[[Sigma, m c], [m c^T, m]]`` with the second moments ``Sigma = tr(I)/2 - I``.
+With the ten parameters m, m c, and the moments xx, xy, xz, yy, yz, zz about the origin of
+its frame, a body has ``[[Sigma, m c], [m c^T, m]]`` with second moments ``Sigma = tr(I)/2 - I``.
 
 References
 ----------

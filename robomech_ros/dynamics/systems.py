@@ -104,7 +104,7 @@ class DynamicSystem(Protocol):
         """Return :meth:`forward` of single states without checks."""
 
     def compiled_servo(self, plant: Any, law: ServoLaw) -> CompiledServo:
-        """Have a controller that knows this system drive another of its kind."""
+        """Simulate a controller with the model of this system on another system."""
 
     def sampled_postures(self, count: int) -> Array:
         """Spread postures (k, n), at most count, over what the drives can take."""

@@ -1,4 +1,4 @@
-"""How error messages show values from outside, lists, quantities and sizes."""
+"""Text of outside values, lists, counts, quantities and sizes in error messages."""
 
 import re
 from collections.abc import Sequence

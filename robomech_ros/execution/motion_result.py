@@ -1,4 +1,4 @@
-"""How a motion has ended or must end."""
+"""Past or required end of a motion."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""How far the robot may be from its trajectory."""
+"""Tolerances of the robot about its trajectory."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

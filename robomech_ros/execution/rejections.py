@@ -1,4 +1,4 @@
-"""Why a trajectory that is well formed is not executed."""
+"""Reasons for rejecting a well-formed trajectory."""
 
 from robomech_ros.errors import LimitExceededError, RobomechError, WrongSizeError
 

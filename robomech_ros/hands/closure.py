@@ -1,4 +1,4 @@
-"""Whether contacts hold an object against every load."""
+"""Check that contacts hold an object against every load."""
 
 from __future__ import annotations
 

@@ -106,7 +106,7 @@ class Contact:
 
     @property
     def planar(self) -> bool:
-        """Whether it is a contact in the plane."""
+        """True if it is a contact in the plane."""
         return len(self.position) == 2
 
     @property

@@ -18,7 +18,7 @@ from scipy.sparse import csc_matrix
 from robomech_ros.hands.conic_solver import conic_solver
 from robomech_ros.typing import Array, BoolArray
 
-# Of loads of size 1.
+# Tolerances for loads of size 1.
 _PRECISION = 1e-9
 # Cones are narrower by this part for the solver, so that what it leaves open lies within them.
 _NARROWER = 2e-8

@@ -31,7 +31,7 @@ _APART = 1e-9
 
 
 class ForceStatus(Enum):
-    """How the search for contact forces ended."""
+    """Outcome of the search for contact forces."""
 
     HELD = "held"
     NOT_HELD = "not held"

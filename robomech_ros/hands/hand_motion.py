@@ -1,4 +1,4 @@
-"""How the fingers of a hand move an object, and what torques contact forces take."""
+"""Object motion by the fingers of a hand, and torques of contact forces."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from robomech_ros.printing import Printed
 from robomech_ros.spatial.arrays import real_number, whole_number
 from robomech_ros.typing import Array, ArrayLike
 
-# Of lengths (m) and tolerances.
+# Least length (m) or tolerance.
 SHORTEST = 1e-9
 _MOST_POINTS = 100_000
 # Facets at one time: in space more than any grasp of six contacts takes, in the plane twice as many
@@ -26,7 +26,7 @@ _MOST_FACETS = 200_000
 
 @dataclass(frozen=True, eq=False)
 class GraspQuality(Printed):
-    """How good a grasp is.
+    """Quality of a grasp.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def _positive(what: str, value: object, largest: float) -> float:
 
 
 def _bounds(cones: Array, close: float, most: int) -> tuple[float, float, Array, bool]:
-    """Let a hull grow until its nearest facet is close to where that would touch the cones."""
+    """Extend a hull until its nearest facet nearly touches the cones."""
     d = cones.shape[2]
     room = _MOST_FACETS if d > 3 else 2 * (most + d)
     found = np.empty(d + 2)

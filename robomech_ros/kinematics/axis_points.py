@@ -22,10 +22,7 @@ def common_point(link: Array, following: Array) -> tuple[float, float, float] | 
 
 
 def nearest_points(link: Array) -> tuple[float, float, float] | None:
-    """Return the heights of nearest points on the z axes before and after a link; their distance.
-
-    None where the axes are parallel.
-    """
+    """Return heights of nearest points on a link's z axes, or None if parallel; their distance."""
     u, d = link[:3, 2], link[:3, 3]
     sine2 = u[0] ** 2 + u[1] ** 2
     if sine2 < ARM_RANK**2:

@@ -31,7 +31,7 @@ class JointPoses:
         self._place[:, ~self._turns] = 0.0
         self._place[0, ~self._turns] = here[~self._turns]
         self._way = np.where(self._turns[:, None], 0.0, there - here) / np.pi
-        # Of the two quaternions of the quarter turn the one nearer to that of the start.
+        # The quaternion of the quarter turn nearer to that of the start.
         near = np.where(np.sum(start * quarter, axis=1, keepdims=True) < 0.0, -1.0, 1.0)
         self._quaternion = np.stack((start, np.sqrt(2.0) * near * quarter - start))
 

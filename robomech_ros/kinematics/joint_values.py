@@ -11,7 +11,7 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.arrays import real_array
 from robomech_ros.typing import Array, ArrayLike
 
-# What needs no conversion, as names that are found at once.
+# Types that need no conversion, as names for speed.
 _ARRAY, _FLOAT = np.ndarray, np.dtype(np.float64)
 
 

@@ -1,4 +1,4 @@
-"""How large an arm is, and whether it has six degrees of freedom."""
+"""Size of an arm, and check of its six degrees of freedom."""
 
 import math
 

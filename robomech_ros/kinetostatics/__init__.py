@@ -1,7 +1,4 @@
-"""Kinetostatics of serial chains.
-
-Each part is loaded on first use, like those of the kinematics.
-"""
+"""Kinetostatics of serial chains; each part is loaded on first use."""
 
 from typing import TYPE_CHECKING
 

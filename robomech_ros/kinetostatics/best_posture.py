@@ -22,7 +22,7 @@ _POWERS = tuple(2.0 * 4.0**k for k in range(8))
 # followed to the 2-norm; and steps without derivatives at the end.
 _POSTURES, _STARTS, _FOLLOWED = 2048, 16, 4
 _POLISHING = 2000
-# What stands for the logarithm of the condition number of a singular posture.
+# Value for the logarithm of the condition number of a singular posture.
 _SINGULAR = 1e3
 
 

@@ -1,4 +1,4 @@
-"""How near to isotropic an arm can be, and the characteristic length that achieves it."""
+"""Best conditioning of an arm, and the characteristic length that achieves it."""
 
 from __future__ import annotations
 
@@ -37,10 +37,10 @@ _FARTHEST = math.log(1e3)
 _LINEAR = 3
 # Minima whose condition numbers differ by less (relative) are one.
 _SAME = 1e-9
-# What stands for the logarithm of the condition number of a singular posture.
+# Value for the logarithm of the condition number of a singular posture.
 _SINGULAR = 1e3
 _OPTIONS = {"gtol": 1e-9, "maxiter": 300}
-# Of the trust-region method, which quarters its radius where rounding keeps it from a smaller
+# Trust-region method: it quarters its radius where rounding keeps it from a smaller
 # gradient: after 300 steps nothing would be left of it.
 _FEWER = {"gtol": 1e-9, "maxiter": 100}
 # Step over which second derivatives are taken; they grow with the power.

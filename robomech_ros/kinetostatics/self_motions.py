@@ -26,7 +26,7 @@ CONDITIONS = 6
 STEP = 0.08
 MOST_STEPS = 200
 FIRST_STEPS = 4
-# Of a step: Newton's corrections, and the error that they may leave (rad or m).
+# Newton's corrections of a step, and their largest residual (rad or m).
 CORRECTIONS = 6
 EXACT = 1e-10
 # Halvings with which a limit is located: 1e-7 of a step.

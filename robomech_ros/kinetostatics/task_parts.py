@@ -1,4 +1,4 @@
-"""Which rows of the Jacobian a part of a task means: those of what the arm does in any posture."""
+"""Rows of the Jacobian of a part of a task."""
 
 import functools
 from typing import NamedTuple

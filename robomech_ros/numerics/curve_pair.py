@@ -14,7 +14,7 @@ from robomech_ros.typing import Array, ArrayLike
 
 # Cells of the grid on which curves are followed, and points of that on which the others are sized.
 _CELLS, _COARSE = 240, 25
-# What a crossing leaves of the equations drawn, as part of their size.
+# Residual of a crossing in the drawn equations, relative to their size.
 _CROSSED = 1e-9
 
 

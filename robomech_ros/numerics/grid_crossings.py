@@ -27,7 +27,7 @@ STEP = 1e-6
 _SAME = 1e-7
 _ONE_ROOT = 1e-3
 _ITERATIONS = 60
-# What damps the steps at first, where one fails, and where one succeeds.
+# Damping of steps: at first, after a failure, and after a success.
 _DAMPING, _MORE, _LESS = 1e-6, 10.0, 0.1
 _LEAST_DAMPING, _GREATEST_DAMPING = 1e-18, 1e6
 # Damps where an equation depends on nothing.

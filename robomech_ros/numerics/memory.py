@@ -1,4 +1,4 @@
-"""How much memory there is, so that what would not fit is refused before it begins."""
+"""Available memory, so that requests that would not fit are rejected at once."""
 
 import os
 import re
@@ -8,7 +8,7 @@ from pathlib import Path
 from robomech_ros.errors import NotEnoughMemoryError
 
 _MEMINFO = Path("/proc/meminfo")
-# What a container is allowed and what it uses.
+# Memory limit and use of a container.
 _ALLOWED = Path("/sys/fs/cgroup/memory.max")
 _USED = Path("/sys/fs/cgroup/memory.current")
 

@@ -31,7 +31,7 @@ _NORMAL = 32.0 * float(np.finfo(float).eps)
 
 @dataclass(frozen=True, eq=False)
 class Iteration:
-    """How an iteration ended.
+    """Outcome of an iteration.
 
     Parameters
     ----------

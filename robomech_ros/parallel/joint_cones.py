@@ -1,4 +1,4 @@
-"""How far the joints at the ends of legs may bend: cones about axes of base and platform."""
+"""Bending limits of the joints at the ends of legs: cones about axes of base and platform."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

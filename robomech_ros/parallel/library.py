@@ -40,7 +40,7 @@ from robomech_ros.robots.robot_kinds import checked_document, source_of
 ParallelRobot = StewartGough | Delta | Planar3RPR | Planar3RRR | Spherical3RRR
 AnyParallelRobot = ParallelRobot | Mechanism
 
-# What makes each type, from arguments of these names.
+# Constructor of each type, from arguments of these names.
 TYPES: dict[str, Callable[..., Any]] = {
     "stewart_gough": StewartGough,
     "delta": Delta,

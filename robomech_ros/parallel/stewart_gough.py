@@ -109,7 +109,7 @@ class StewartGough:
 
     @property
     def always_singular(self) -> bool:
-        """Whether the platform is singular in every pose: its legs never hold it."""
+        """True if the platform is singular in every pose: its legs never hold it."""
         return self.conditioning < SINGULAR_ARCHITECTURE
 
     @cached_property

@@ -14,7 +14,7 @@ from robomech_ros.plotting.pictures import new_figure, save
 from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.typing import Array
 
-# What can be drawn, and the words beside the scale.
+# Drawable measures, and labels of the scale.
 QUANTITIES = {
     "dexterity": "share of the orientations reached",
     "solutions": "postures in all orientations",

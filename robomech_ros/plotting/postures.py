@@ -46,7 +46,7 @@ class _View:
         return points @ self.rows[:2].T
 
     def depth(self, point: Array) -> float:
-        """How near to the eye a point is (m)."""
+        """Distance of a point from the camera (m)."""
         return float(point @ self.rows[2])
 
 

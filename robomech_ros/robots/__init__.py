@@ -1,7 +1,4 @@
-"""Robots: the chain model, and where chains come from.
-
-Each part is loaded on first use.
-"""
+"""Robots: the chain model and its sources; each part is loaded on first use."""
 
 from typing import TYPE_CHECKING
 

@@ -254,7 +254,7 @@ class SerialChain(Printed):
 
     @cached_property
     def continuous(self) -> BoolArray:
-        """Which joints turn without any limit of position, shape (n,)."""
+        """Mask (n,) of joints that turn without position limits."""
         unlimited = np.isneginf(self.lower) & np.isposinf(self.upper)
         return _frozen(self.turns & unlimited)
 

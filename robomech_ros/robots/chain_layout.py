@@ -1,4 +1,4 @@
-"""How a chain's constant transforms and joint types are laid out for the kernels."""
+"""Layout of a chain's constant transforms and joint types for the kernels."""
 
 import math
 

@@ -152,7 +152,7 @@ class RobotDescription(Printed):
 
     @property
     def link_depths(self) -> Mapping[str, int]:
-        """How many joints are above each link."""
+        """Number of joints above each link."""
         return self._tree.depths
 
     def links_below(self, link: str) -> Iterator[str]:

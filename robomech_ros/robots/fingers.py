@@ -17,7 +17,7 @@ _HALVINGS = 60
 # found in steps of so much.
 _MAX_RANGE = 2.0 * np.pi
 _STEP = 0.01
-# What a width may be beyond the greatest by rounding, m.
+# Rounding of a width over the greatest, m.
 _ROUNDING = 1e-9
 
 
@@ -68,7 +68,7 @@ def finger_ends(description: RobotDescription, joints: Sequence[Joint]) -> tuple
 
 @dataclass(frozen=True, eq=False)
 class FingerOpening:
-    """How wide a gripper of two fingers is open.
+    """Opening of a gripper of two fingers.
 
     The width is the distance between the origins of two links less that in the closed gripper,
     which is the end of the joints' range where they are nearer to each other, or, where that range

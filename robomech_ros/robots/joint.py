@@ -46,7 +46,7 @@ class Joint:
 
     @property
     def moves(self) -> bool:
-        """Whether the joint is one that a chain can contain as a variable."""
+        """True if the joint is one that a chain can contain as a variable."""
         return self.type in MOVING
 
     @property

@@ -39,7 +39,7 @@ class LinkTree:
 
     @cached_property
     def depths(self) -> dict[str, int]:
-        """How many joints are above each link."""
+        """Number of joints above each link."""
         root = next(link for link in self.links if link not in self.to_parent)
         depths = {root: 0}
         for link in self.below(root):
@@ -47,10 +47,7 @@ class LinkTree:
         return depths
 
     def joints_between(self, first: str, second: str) -> tuple[list[Joint], list[Joint]]:
-        """List the joints up from one link to the common ancestor, and those down to the other.
-
-        It looks at no other joint.
-        """
+        """List the joints up from one link to the common ancestor, and down to the other."""
         up: list[Joint] = []
         down: list[Joint] = []
         while first != second:

@@ -101,10 +101,7 @@ def _standing(packed: Array, values: Array) -> Array:
 
 
 def _conditioning(packed: Array, types: IntArray, q: Array) -> Array:
-    """Compare the least singular values with the largest.
-
-    Lengths are divided by the mean distance of the axes from the tip.
-    """
+    """Return least over largest singular values, lengths over the mean axis distance."""
     from robomech_ros._kernels.chain.serial import jacobian
 
     J = np.empty((len(q), 6, q.shape[1]))

@@ -29,7 +29,7 @@ from robomech_ros.robots.library import is_document, is_name, list_robots, robot
 
 # The kind in a document, and the folder of such documents.
 KINDS = {"parallel": "parallel", "rolling": "rolling", "walking": "walking", "hand": "hands"}
-# What :func:`kind_of` says of an arm, which is of no kind.
+# Result of :func:`kind_of` for an arm, which is of no kind.
 ARM = ""
 # Other names of robots, by their kinds.
 _ALSO_CALLED = {"walking": {"hexapod_walker": "phantomx"}}
@@ -138,7 +138,6 @@ def yaml_source(robot: object) -> tuple[str | bytes, str] | None:
 
 
 def _file_of(name: str) -> Path:
-    """Return the file of a name, or the path that it is."""
     if name not in list_robots():
         for kind in KINDS:
             known = documents_of(kind)

@@ -234,7 +234,6 @@ def with_yaml_limits(
 def _home(
     document: Mapping[str, Any], joints: tuple[Joint, ...], where: str, angle: float = 1.0
 ) -> dict[str, float]:
-    """Read where joints stand to begin with (rad or m)."""
     place = f"{where}: home"
     given = document.get("home") or {}
     moving = {joint.name: joint for joint in joints if joint.moves and joint.mimic is None}

@@ -162,7 +162,7 @@ class SemanticDescription(Printed):
         return np.clip(q, chain.lower, chain.upper)
 
     def gives(self, chain: SerialChain, name: str) -> bool:
-        """Whether a state of a group with all joints of a chain has a name."""
+        """Return whether a state of a group with all joints of a chain has a name."""
         return any(name in self.states[group] for group in self._groups_of(chain))
 
     def postures(self, chain: SerialChain) -> tuple[str, ...]:

@@ -1,7 +1,4 @@
-"""Rolling robots: wheels of all kinds, their base, odometry and limits (book: section 10.5).
-
-Each part is loaded on first use.
-"""
+"""Rolling robots: wheels of all kinds, their base, odometry and limits (section 10.5)."""
 
 from typing import TYPE_CHECKING
 

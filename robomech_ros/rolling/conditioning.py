@@ -1,4 +1,4 @@
-"""How evenly omnidirectional wheels drive a base, and the length that makes twists comparable."""
+"""Conditioning of omnidirectional wheels, and the length that makes twists comparable."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _ISOTROPIC = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Isotropy:
-    """How evenly wheels drive a base.
+    """Conditioning of the wheels of a base.
 
     Attributes
     ----------

@@ -27,7 +27,7 @@ _FIRST, _STEP = 0.3, 0.71
 
 @dataclass(frozen=True)
 class Mobility:
-    """How a base can move, by the names of Campion, Bastin and d'Andrea-Novel.
+    """Mobility of a base, by the names of Campion, Bastin and d'Andrea-Novel.
 
     Attributes
     ----------

@@ -148,7 +148,7 @@ class CommandLimiter:
         """
         given = bounded("command", command, 3)
         names, rows, least, most = self._bounds
-        # What an axis may not do at all is left out; the others go on.
+        # Forbidden axes are left out; the others go on.
         barred = np.where(given > 0.0, most[:3], least[:3]) == 0.0
         wanted = self.base.feasible(np.where(barred, 0.0, given))
         values = np.einsum("ij,...j->...i", rows, wanted)
@@ -263,7 +263,7 @@ class CommandLimiter:
         return names, np.array(rows), np.array(least), np.array(most)
 
     def _pivot_speeds(self, twists: Array) -> tuple[Array, Array, list[str]]:
-        """How fast wheels that turn about a pivot roll at most (rad/s), their limits and names."""
+        """Return the greatest rolling speeds (rad/s) of pivoting wheels, their limits and names."""
         kinds = ("steered", "caster")
         turning = [w for w in self.base.wheels if w.kind in kinds and math.isfinite(w.max_rate)]
         places = np.array([w.position for w in turning]).reshape(-1, 2)

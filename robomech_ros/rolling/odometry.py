@@ -21,7 +21,7 @@ _WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
 
 @dataclass(frozen=True, kw_only=True)
 class OdometryNoise:
-    """How uncertain the way of each wheel is.
+    """Uncertainty of the travel of each wheel.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def advance_odometry(
     by_pose = slope_by_pose(heading, step)
     covariance = by_pose @ odometry.covariance @ by_pose.T
     for place, weight in zip(_PLACES, _WEIGHTS, strict=True):
-        # What goes wrong at this place turns with the base there, and all that follows.
+        # An error here turns with the base, and all that follows.
         there = moved(odometry.pose, place * step)
         c, s = np.cos(there[2]), np.sin(there[2])
         turned = np.array([[0.0, c, -s], [0.0, s, c], [1.0, 0.0, 0.0]])

@@ -61,7 +61,7 @@ class SimulatedBase:
         self.pose = moved(self.pose, period * self.twist)
 
     def _turn_brackets(self, period: float) -> None:
-        """Let casters trail behind; a step that goes far is cut, so that none turns over."""
+        """Trail casters behind; a long step is cut so that none turns over."""
         before, time = self.brackets, period
         for _ in range(_MOST_CUT):
             rates = self._base.caster_rates(self.twist, self.brackets)

@@ -19,7 +19,7 @@ from robomech_ros.typing import Array, ArrayLike, IntArray
 # with steered wheels, to torques (k + s,) (N m).
 Torques = Callable[..., ArrayLike]
 
-# Of the integrator, relative and absolute: the energy of ten seconds is kept to 1e-8.
+# Tolerances of the integrator, relative and absolute: energy is constant to 1e-8 in ten seconds.
 _RTOL, _ATOL = 1e-11, 1e-12
 _LONGEST = 3600.0
 

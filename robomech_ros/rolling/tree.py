@@ -180,7 +180,7 @@ def _axles(number: int, wheel: Wheel, joints: WheelJoints) -> list[_Axle]:
 
 def _placing(radius: float, names: _Names) -> list[str]:
     """Write the joints that place the base; a disc marks where it begins."""
-    # Links without bodies would get some along the way of their slides.
+    # Links without bodies would get generated ones along their slides.
     nothing = _visual("sphere", {"radius": 1e-4}, (0, 0, 0), _NONE)
     disc = _visual("cylinder", {"radius": radius, "length": 1e-3}, (0, 0, 0), _ROLLER)
     far = {"lower": -_FAR, "upper": _FAR, "effort": 0.0, "velocity": 0.0}

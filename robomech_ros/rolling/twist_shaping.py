@@ -1,4 +1,4 @@
-"""How the motion of a base shapes the twists of its platform, wheels and brackets.
+"""Twists of platform, wheels and brackets from the motion of a base.
 
 The frame is at rest and has the axes of the base at this moment.  Rates are the twist (3,) of the
 base and the steering rates (s,).

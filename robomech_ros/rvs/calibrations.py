@@ -125,7 +125,7 @@ def write_calibration(
     from robomech_ros.rvs.page.recording import motion_page
 
     arm = ArmView(chain)
-    # Where the last sample was taken, if the arm gets there.
+    # Posture of the last sample, if the arm reaches it.
     arm.drag(result.robot_poses[-1])
     markers = calibration_markers(result, seen, chain.base, chain.tip)
     notes = [f"{name}: {fact}" if name else fact for name, fact in calibration_facts(result)]

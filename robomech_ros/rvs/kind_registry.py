@@ -1,4 +1,4 @@
-"""One description of each kind of robot on a page: who loads it, and its layers."""
+"""One description of each kind of robot on a page: its loader, and its layers."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PARALLEL = "parallel"
 
 
 class ViewKind(NamedTuple):
-    """How robots of a kind are shown."""
+    """Display of robots of a kind."""
 
     #: Modules and classes in ``rvs.layers``, in the order of their folders on the page.
     layers: tuple[str, ...]

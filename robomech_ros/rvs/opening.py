@@ -110,7 +110,6 @@ def view(
 def _scene_of(
     description: RobotDescription, base: str | None, tip: str | None, given: Any
 ) -> PlanningScene:
-    """Return a scene of an arm."""
     from robomech_ros.collision import PlanningScene
 
     if not isinstance(given, PlanningScene):
@@ -145,7 +144,7 @@ def shown_robot(
     if described.mechanism is None:
         return described.description, None
     refuse(PARALLEL)
-    # What is compiled for parallel robots is loaded only for them.
+    # Compiled code for parallel robots is loaded only for them.
     from robomech_ros.parallel import load_parallel
 
     return described.description, _platform(load_parallel(robot))

@@ -1,7 +1,4 @@
-"""Driving an arm by twists or joint rates, within all limits and past singularities.
-
-Each part is loaded on first use.
-"""
+"""Servo of an arm by twists or joint rates, within limits and past singularities."""
 
 from typing import TYPE_CHECKING
 

@@ -12,12 +12,12 @@ from robomech_ros.typing import Array
 
 Numbers = list[float]
 
-# What a number of periods may be over a whole one by rounding.
+# Rounding of a number of periods over a whole one.
 _PERIODS = 1e-9
 
 
 class StopPlan:
-    """How n joints would stop from the latest knot, and which other velocities leave such a plan.
+    """Plan to stop n joints from the latest knot, and check which velocities leave such a plan.
 
     They need so many ``periods`` to stop, in each of which velocities can change by the ``steps``
     (rad/s or m/s).
@@ -35,10 +35,7 @@ class StopPlan:
 
     @property
     def shape(self) -> tuple[Array, Array]:
-        """Remaining velocity fraction and travel per velocity (s) after each period.
-
-        Both of shape (periods, 1).
-        """
+        """Remaining velocity fraction and travel per velocity (s) by period, shape (periods, 1)."""
         stop = self.periods
         if stop not in self._shapes:
             k = np.arange(1.0, stop + 1.0)[:, None]
@@ -61,10 +58,7 @@ class StopPlan:
     def follow(
         self, position: Numbers, before: Numbers, velocity: Numbers, periods: int
     ) -> Numbers:
-        """Go on from a knot to one with another velocity, from which the stop takes some periods.
-
-        Returns its position (rad or m).
-        """
+        """Move from a knot to one that stops in some periods; return its position (rad or m)."""
         self.periods = periods
         values = zip(position, before, velocity, self._low, self._high, strict=True)
         moved = [min(max(q + self._half * (u + v), low), high) for q, u, v, low, high in values]
@@ -136,7 +130,7 @@ class StopPlan:
         return math.ceil(max(times, default=0.0) - _PERIODS)
 
     def _widen(self, position: Numbers, velocity: Numbers) -> None:
-        """Let the limits have room for the plan, as long as it is outside them."""
+        """Extend the limits to the plan while it is outside them."""
         way = self._half * self.periods
         ends = [q + way * v for q, v in zip(position, velocity, strict=True)]
         self._low = list(map(min, self._lower, position, ends))

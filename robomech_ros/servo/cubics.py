@@ -1,4 +1,4 @@
-"""Whether the cubics that join the knots of a stream are inside all limits."""
+"""Check of the cubics between the knots of a stream against all limits."""
 
 import math
 from collections.abc import Sequence
@@ -48,7 +48,7 @@ def fitted(q: Array) -> Array:
 
 
 class CubicResult(NamedTuple):
-    """Whether cubics keep all limits, and the joints that exceed their ranges."""
+    """Return whether cubics keep all limits, and the joints that exceed their ranges."""
 
     inside: bool
     bound: Sequence[int]

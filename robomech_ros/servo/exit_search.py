@@ -73,7 +73,7 @@ class SingularityExit:
         return None
 
     def _inside(self, path: LinePath, away: float) -> bool:
-        """Whether joints keep their limits as far as a place; most places are near the start."""
+        """Return whether joints keep their limits up to a position, mostly near the start."""
         places = away * np.linspace(0.0, 1.0, _PLACES) ** 2
         q, _ = path.at(places, np.ones(_PLACES))
         chain = self._resolver.chain

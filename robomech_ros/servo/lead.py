@@ -1,9 +1,9 @@
-"""How far ahead of its time a stream is sent: farther while points come late."""
+"""Lead of a stream over its time stamps, longer while points arrive late."""
 
 import math
 from collections import deque
 
-# What was late counts for so long; then the lead falls by one period in this time (s).
+# Time for which lateness counts (s), and time in which the lead then falls by one period (s).
 _REMEMBERED, _FALL = 10.0, 1.0
 # One that comes late is an accident; as many as these within that time are not.
 _ACCIDENTS = 1

@@ -32,7 +32,7 @@ _SHORTEST, _SHORTEST_OF_FIRST = 1e-3, 0.5
 _NEAR = 0.98
 # The cosine between two directions that follow each other at least has.
 _STRAIGHT = 0.9
-# What the tip may lose beyond the hard stop: m across its line, and rad of a twist that turns it
+# Allowed loss of the tip beyond the hard stop: m across its line, and rad of a twist that turns it
 # or does not.
 _LOST_WAY, _LOST_TURN, _TURNED = 8e-4, 0.1, 5e-3
 # Nodes that the way beyond the hard stop has at most.  Its steps are shortened, from the short
@@ -41,7 +41,7 @@ _LOST_WAY, _LOST_TURN, _TURNED = 8e-4, 0.1, 5e-3
 _BEYOND, _SHORTEST_STEP, _BENT, _EVEN = 80, 1e-3, 0.97, 0.995
 # By what part the condition number may rise on the way out, and from which on it may be any.
 _RISE, _DEEP = 0.02, 2e3
-# What the tip of a way out may be off (m, rad).
+# Tolerance of the tip on a path out (m, rad).
 _OFF, _OFF_TURNED = 1e-5, 5e-5
 
 
@@ -54,7 +54,7 @@ class Node:
         self.direction: Array = heading.rates / max(self.rate, 1e-300)
 
 
-# What is laid, after as many postures as are examined for it.
+# Result of laying a node, with a yield for each examined posture.
 _Found = Generator[None, None, "tuple[Node, Array] | None"]
 
 
@@ -86,7 +86,7 @@ class LineLaying:
 
     @property
     def leaving(self) -> bool:
-        """Whether the last node is beyond the hard stop, and the way began there."""
+        """True if the last node is beyond the hard stop, and the way began there."""
         return self._bound > self._resolver.stop_at
 
     def lay(self) -> Iterator[None]:
@@ -106,7 +106,7 @@ class LineLaying:
         return node.heading.condition < self._bound or self._bound == math.inf
 
     def _begins_outwards(self) -> bool:
-        """Whether the next node must lead away from a singularity."""
+        """Return whether the next node must lead away from a singularity."""
         return self._outwards and self.leaving and len(self.nodes) == 1
 
     def _lay_node(self) -> Iterator[None]:
@@ -115,7 +115,7 @@ class LineLaying:
         near = last.heading.condition > self._resolver.slow_from
         largest, bend = float(np.abs(last.direction).max()), norm(self._bend * self.weights)
         step = (_SHORT_STEP if near else _STEP) / largest
-        # Where it bends, nodes are nearer to each other.
+        # In bends, nodes are nearer to each other.
         step = min(step, max(_SHORT_STEP / largest, _TURN / max(bend, 1e-300)))
         shortest = (_SHORTEST_OF_FIRST if self._begins_outwards() else _SHORTEST) * step
         low, found = 0.0, (yield from self._stepped(step))
@@ -147,7 +147,7 @@ class LineLaying:
         self._bend = (node.direction - last.direction) / (node.place - last.place)
         self.nodes.append(node)
         if self._resolver.partial:
-            # What is free is where the joints have brought it.
+            # Free components stay where the joints have moved them.
             here = node.heading.pose
             pose = moved_pose(here, self._resolver.off(pose, here))
         self._pose = pose
@@ -171,7 +171,7 @@ class LineLaying:
             more = -float(along @ change) / float(along @ heading.rates)
             change = change + more * heading.rates
             if len(heading.null):
-                # What the tip does not feel follows from the directions alone.
+                # Motions without effect on the tip follow from the directions alone.
                 off = last.q + self._run(step, heading.rates) - q
                 change = change + (heading.null @ off) @ heading.null
             time += more
@@ -254,6 +254,6 @@ class LineLaying:
         line = twist[3:]
         speed = float(line @ line)
         if speed > 0.0:
-            # What lags behind on the line is on the line.
+            # A lag along the line is no deviation.
             lost[3:] -= float(lost[3:] @ line) / speed * line
         return node, lost, straight

@@ -28,14 +28,14 @@ _LEVELS = (0.95, 0.7, 0.45, 0.25, 0.1)
 _RETRY = 10
 # How often the change of speed is halved to find the largest that is allowed.
 _HALVINGS = 5
-# What a number of periods may be over a whole one by rounding.
+# Rounding of a number of periods over a whole one.
 _PERIODS = 1e-9
-# Of the plan to stop, every so many knots are shown, if cubics between them keep the limits.
+# Every so many knots of the plan to stop are shown, if cubics between them keep the limits.
 _THIN = (4, 2)
 
 
 class Deviation:
-    """How joints that come from elsewhere get onto the way: what they are off, and how that ends.
+    """Transition of joints from elsewhere onto the path: their offset, and its decay.
 
     They have more than the motion along the way by three arrays (n,): positions, velocities and
     accelerations (rad or m, and per s and s^2). After a count of periods (s) they are on it.
@@ -52,11 +52,11 @@ class Deviation:
 
     @property
     def left(self) -> int:
-        """How many periods it takes."""
+        """Number of periods that it takes."""
         return len(self.q) - 1
 
     def go_on(self) -> None:
-        """Let a period pass."""
+        """Advance by a period."""
         self.q, self.v = self.q[1:], self.v[1:]
 
 
@@ -115,12 +115,12 @@ class LineMotion:
 
     @property
     def rate(self) -> float:
-        """How fast it is on the way before the mean (1/s)."""
+        """Speed on the path before the mean (1/s)."""
         return float(self._rates[-1])
 
     @property
     def at_rest(self) -> bool:
-        """Whether nothing moves any more."""
+        """True if nothing moves any more."""
         return len(self._plan.q) == 1
 
     @property
@@ -135,7 +135,7 @@ class LineMotion:
 
     @property
     def leaves(self) -> bool:
-        """Whether it is beyond the hard stop, from where the way leads out."""
+        """True if it is beyond the hard stop, where the path leads out."""
         return self.path.leaves(self.place)
 
     @property
@@ -172,7 +172,7 @@ class LineMotion:
         return Advance(1.0, allowed, tuple(self._names[i] for i in bound))
 
     def stuck(self, advance: Advance) -> bool:
-        """Whether it stands for no reason that the posture gives."""
+        """Return whether it stands still for a reason other than the posture."""
         ends = self.path.singular or self.path.unfinished or advance.bound
         return self.at_rest and advance.allowed == 0.0 and not ends
 

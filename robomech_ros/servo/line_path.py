@@ -35,13 +35,13 @@ class LinePath:
         self._laying = way.lay()
         self._postures = _POSTURES
         self._tables: tuple[Array, ...] | None = None
-        # Of how many nodes the tables are, and where the way came out of a singularity.
+        # Number of nodes of the tables, and node at which the path left a singularity.
         self._tabled = 0
         self._out = np.inf if way.leaving else -np.inf
 
     @property
     def singular(self) -> bool:
-        """Whether it ends before a singularity, or leads nowhere from one."""
+        """True if it ends before a singularity, or leads nowhere from one."""
         return self._way.singular
 
     @property
@@ -51,12 +51,12 @@ class LinePath:
 
     @property
     def hopeless(self) -> bool:
-        """Whether it leads nowhere at all."""
+        """True if it leads nowhere at all."""
         return self._way.ended and len(self._way.nodes) == 1
 
     @property
     def unfinished(self) -> bool:
-        """Whether this period was too short to lay what was needed."""
+        """True if this period was too short to lay the required path."""
         return not self._postures and not self._way.ended
 
     def begin_period(self) -> None:
@@ -64,7 +64,7 @@ class LinePath:
         self._postures = _POSTURES
 
     def leaves(self, place: float) -> bool:
-        """Whether a place is beyond the hard stop, from where the way leads out."""
+        """Return whether a place is beyond the hard stop, from where the way leads out."""
         return place < self._out
 
     def reach(self, place: float) -> bool:

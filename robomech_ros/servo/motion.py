@@ -29,7 +29,7 @@ _SAME = 1e-9
 
 
 class Advance(NamedTuple):
-    """How far a wanted change of velocity was taken.
+    """Part of a desired change of velocity that was taken.
 
     The limits of acceleration allow the part ``followed`` of it in one period, and those of
     positions the part ``allowed`` of that, 0 to 1; where it is less, ``bound`` are the joints near
@@ -102,7 +102,7 @@ class Motion:
             There (rad/s^2 or m/s^2).
         """
         (position, velocity), window = knot, limits.smoothing(period)
-        # Of the motions with this mean that of constant acceleration.
+        # The motion of constant acceleration among those with this mean.
         times: Array = period * (np.arange(window + 1.0) - 0.5 * window)[:, None]
         middle = position - acceleration * (period * window) ** 2 / 24.0
         positions = middle + times * (velocity + 0.5 * times * acceleration)
@@ -147,7 +147,7 @@ class Motion:
 
     @property
     def at_rest(self) -> bool:
-        """Whether nothing moves any more."""
+        """True if nothing moves any more."""
         return self._resting > self._window
 
     def advance(self, wanted: Array) -> Advance:

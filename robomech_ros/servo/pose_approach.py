@@ -13,7 +13,7 @@ from robomech_ros.typing import Array
 _THERE = 1e-6
 # The line is laid anew where the tip is farther from it than this (m or rad).
 _BESIDE = 5e-5
-# Of the deceleration of a plan to stop this part is used; the end is reached with this time
+# Used fraction of the deceleration of a plan to stop; the end is reached with this time
 # constant (s).
 _PART, _CREEP = 0.5, 0.1
 # Slower than this part of the full speed the plan to stop says nothing about decelerations.

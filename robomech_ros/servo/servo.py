@@ -32,12 +32,12 @@ from robomech_ros.typing import Array
 
 @dataclass(frozen=True)
 class ServoSettings:
-    """How a servo behaves, with a period (s) between the knots of the stream.
+    """Behaviour of a servo, with a period (s) between the knots of the stream.
 
     From the condition number ``slow_from`` on, over the characteristic length, motions into a
     singularity are slowed down, and at ``stop_at`` they stand. Linear motions are divided by a
     length (m), None for the characteristic one. The samples show ``lead`` knots before the latest,
-    so that who gets them late goes on.
+    so that a late receiver goes on.
     """
 
     period: float = 0.01
@@ -99,7 +99,7 @@ class Servo:
 
     @property
     def active(self) -> bool:
-        """Whether the stream has begun and not been let go."""
+        """True if the stream has begun and has not been released."""
         return self._stream is not None
 
     @property
@@ -109,7 +109,7 @@ class Servo:
         return self._stream
 
     def wants_to_move(self, now: float) -> bool:
-        """Whether there is a command that is neither stale (time in s) nor paused."""
+        """Return whether there is a command that is neither stale (time in s) nor paused."""
         return self.command is not None and now <= self.command.until and not self.paused
 
     def take(self, command: Command) -> None:
@@ -137,7 +137,6 @@ class Servo:
         self._twists.end()
 
     def _finite(self, what: str, values: Array) -> Array:
-        """Check n numbers, one for each joint."""
         given = as_joint_values(self._chain, values, what)
         if given.ndim > 1:
             raise WrongSizeError(what, given.shape, (self._chain.n,))
@@ -146,7 +145,7 @@ class Servo:
         return given
 
     def end(self) -> None:
-        """Let the joints go."""
+        """Release the joints."""
         self._stream = None
 
     def step(self, now: float) -> ServoReport:
@@ -154,7 +153,7 @@ class Servo:
         stream, command = self.motion, self.command
         if command is None or now > command.until or self.paused:
             self._twists.end()
-            # On the plan that is known already: who has it needs no more messages.
+            # On the known plan: its receivers need no more messages.
             stream.brake()
             return self.idle(now, stream.position)
         if isinstance(command, PoseCommand):
@@ -197,7 +196,6 @@ class Servo:
         return MotionAhead(np.array((q, end)), seconds, stop, limited)
 
     def _follow(self, stream: Stream, command: TwistCommand | JointCommand) -> ServoReport:
-        """Follow a command for one period."""
         if isinstance(command, TwistCommand):
             return self._twists.follow(stream, command)
         self._twists.end()
@@ -224,7 +222,6 @@ class Servo:
 
 
 def _scaled(command: TwistCommand | JointCommand, part: float) -> TwistCommand | JointCommand:
-    """Return a part of a command."""
     if isinstance(command, TwistCommand):
         return replace(command, twist=part * command.twist)
     return replace(command, rates=part * command.rates)

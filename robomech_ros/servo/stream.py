@@ -62,7 +62,7 @@ class Stream:
 
     @property
     def at_rest(self) -> bool:
-        """Whether nothing moves any more."""
+        """True if nothing moves any more."""
         return self._free.at_rest if self.line is None else self.line.at_rest
 
     def advance(self, wanted: Array) -> Advance:
@@ -148,7 +148,7 @@ class Stream:
         return advance
 
     def moves_along(self, path: LinePath) -> bool:
-        """Whether the joints move nearly in the direction in which a way begins."""
+        """Return whether the joints move nearly in the direction in which a way begins."""
         _, v = self._knots[-1]
         return self._along(path.slope(0.0), v) > _ALONG * math.sqrt(self._along(v, v))
 

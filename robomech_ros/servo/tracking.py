@@ -1,4 +1,4 @@
-"""Whether the joints follow the stream."""
+"""Check that the joints follow the stream."""
 
 import math
 from collections import deque
@@ -26,7 +26,7 @@ class TrackedJoints(Protocol):
 
     @property
     def continuous(self) -> BoolArray:
-        """Which turn without limits."""
+        """Joints that turn without limits."""
 
 
 class Deviation(NamedTuple):

@@ -33,7 +33,7 @@ _BEGINNING = 1e-6
 
 
 class TwistFollowing:
-    """Has a stream with knots a period (s) apart follow twists."""
+    """Makes a stream with knots a period (s) apart follow twists."""
 
     def __init__(self, resolver: TwistResolver, limits: ServoLimits, period: float) -> None:
         self._resolver, self._limits, self._period = resolver, limits, period

@@ -137,7 +137,7 @@ class TwistResolver:
 
     @property
     def partial(self) -> bool:
-        """Whether some components of the pose are free."""
+        """True if some components of the pose are free."""
         return self._held is not None
 
     def held(self, motion: Array, pose: Array) -> Array:

@@ -11,7 +11,7 @@ Four = tuple[float, float, float, float]
 def plain_pose(T: Array) -> tuple[Three, Four]:
     """Split a homogeneous transform, shape (4, 4), into a place (m) and a quaternion xyzw.
 
-    Of the two quaternions the one with w >= 0 is given, and with w = 0 the one whose first number
+    The quaternion has w >= 0; if w is 0, its first number
     that is not zero is positive.
     """
     (a, b, c, px), (d, e, f, py), (g, h, i, pz) = T[:3].tolist()

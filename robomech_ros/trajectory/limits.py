@@ -25,7 +25,7 @@ Rate = Literal["velocity", "acceleration", "jerk"]
 RATES: tuple[Rate, ...] = ("velocity", "acceleration", "jerk")
 # Smallest limit of a speed or its derivatives: with less the powers of durations would overflow.
 SMALLEST_LIMIT = 1e-12
-# What follows the unit of a position in those of its derivatives.
+# Suffixes of the unit of a position for its derivatives.
 _PER = ("", "/s", "/s^2", "/s^3")
 # Planned within the limits less these parts, samples stay within the limits despite the rounding
 # of numbers and of times to nanoseconds.
@@ -226,7 +226,7 @@ class Limits:
 
     @cached_property
     def continuous(self) -> BoolArray:
-        """Which joints turn without limits of position, shape (n,)."""
+        """Mask (n,) of joints that turn without position limits."""
         turning = np.array([unit == "rad" for unit in self.units], dtype=np.bool_)
         return turning & np.isinf(self.lower) & np.isinf(self.upper)
 

@@ -1,7 +1,4 @@
-"""Walking machines: legs, static stability, gaits and a walker (book: section 10.4).
-
-Each part is loaded on first use: the kernels are compiled.
-"""
+"""Walking machines: legs, static stability, gaits and a walker (section 10.4)."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""How fast a gait may go: the shortest cycle that suits the joints, and the trunk that sways."""
+"""Fastest timing of a gait: the shortest cycle for joints and swaying trunk."""
 
 import numpy as np
 

@@ -109,7 +109,6 @@ class _Share:
         return self.G @ self.L, self.load - self.G @ self.offset
 
     def _inside_cones(self, F: Array) -> bool:
-        """Return whether forces are inside the cones."""
         parts = (self.C @ F.reshape(-1, 3, 1))[:, :, 0]
         return bool((parts[:, 0] >= np.hypot(parts[:, 1], parts[:, 2])).all())
 

@@ -122,7 +122,7 @@ class LeggedRobot:
 
     @property
     def continuous(self) -> BoolArray:
-        """Which joints turn without limits, shape (3 k,)."""
+        """Mask (3 k,) of joints that turn without limits."""
         return np.concatenate([leg.continuous for leg in self.legs])
 
     @cached_property

@@ -41,7 +41,7 @@ def stance_mechanism(
             for key, axis in zip("xyz", np.eye(3), strict=True)
         ]
         J = jacobian(leg, at)
-        # What turns the leg against the trunk turns the trunk against the leg the other way.
+        # A rotation of the leg against the trunk is the opposite one of the trunk against the leg.
         for k in reversed(range(leg.n)):
             slides = bool(leg.types[k] == PRISMATIC)
             axis = J[3:, k] if slides else J[:3, k]

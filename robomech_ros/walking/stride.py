@@ -38,7 +38,7 @@ _DEEP = 0.9
 
 @dataclass(frozen=True)
 class TrunkPoseCheck:
-    """Whether a pose of the trunk is possible.
+    """Check of a trunk pose.
 
     Attributes
     ----------
@@ -187,10 +187,7 @@ def reachable(robot: LeggedRobot, geometry: Array, settings: Array, pose: Array)
 
 
 def stride_of(robot: LeggedRobot, gait: Gait, lift: float, bound: float | None) -> Stride:
-    """Find how far feet may stand from their places so that legs reach them and nothing tips.
-
-    The cycle in its settings is 1 s.
-    """
+    """Find the allowed offsets of feet within reach and balance, for a cycle of 1 s."""
     least = (STATIC_BOUND if gait.static else TROT_BOUND) if bound is None else bound
     feet = robot.feet(robot.home)
     phases = np.array([float(one) for one in gait.phases(len(robot.legs))])

@@ -59,12 +59,12 @@ class TrunkPath(NamedTuple):
 
     @property
     def over(self) -> bool:
-        """Whether the trunk is there."""
+        """True if the trunk is there."""
         return not self.changes
 
     @property
     def rest(self) -> float:
-        """How long it still takes (s)."""
+        """Remaining time (s)."""
         return max((one.duration - one.passed for one in self.changes), default=0.0)
 
     @property

@@ -223,7 +223,7 @@ class Walker:
 
     @property
     def radius(self) -> float:
-        """How far from its place (m) a foot may stand."""
+        """Allowed distance of a foot from its position (m)."""
         return float(self._stride.settings[3])
 
     def command(self, twist: ArrayLike) -> None:

@@ -81,19 +81,14 @@ class FloatingBase:
         return self._conserved.momentum
 
     def move(self, q: ArrayLike, qd: ArrayLike, seconds: float) -> None:
-        """Let the joints move on to a state, along cubics from the state before.
+        """Advance the joints to a state, along cubics from the state before.
 
         Parameters
         ----------
         q, qd : array_like, shape (n,)
             Joint values (rad or m) and rates at the end.
         seconds : float
-            In this time (s); at 0 the joints are there at once, and the base does not turn.
-
-        Raises
-        ------
-        BadValueError, WrongSizeError, NonFiniteError
-            An argument has a wrong value or shape.
+            Duration (s); 0 sets the joints at once, without a turn of the base.
         """
         n = self.robot.n
         values, rates = as_vector("q", q, n), as_vector("qd", qd, n)
@@ -113,14 +108,14 @@ class FloatingBase:
     def capture(self, body: Body | None, velocity: ArrayLike = (0.0, 0.0, 0.0)) -> None:
         """Fix a body to the tip, or release the one that is fixed to it.
 
-        Joints stay as fast as they are.  The base takes up the momentum.
+        Joint rates stay the same.  The base takes up the momentum.
 
         Parameters
         ----------
         body : Body or None
             In the frame of the tip; None releases.
         velocity : array_like, shape (3,), optional
-            Of its mass centre before (m/s), in the inertial axes.  It does not turn.
+            Velocity of its mass centre before that (m/s), in the inertial axes; it does not turn.
         """
         v = as_vector("velocity", velocity, 3)
         if self.robot is not self._alone:

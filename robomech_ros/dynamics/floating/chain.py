@@ -194,7 +194,7 @@ class FloatingChain:
         adrift = self.rates(q, np.zeros(self.n), momentum)
         found, regular = least_rates(self, q, as_single("twist", twist, (6,)), adrift)
         if not regular:
-            expected = "one in which the generalised Jacobian is regular"
+            expected = "a posture with a regular generalised Jacobian"
             raise BadValueError("q", np.asarray(q).tolist(), expected)
         return found
 

@@ -104,7 +104,6 @@ def check_status(status: int, **values: ArrayLike | None) -> None:
 
 
 def _surroundings(gravity: ArrayLike, tip_wrench: ArrayLike | None) -> Array:
-    """Pack gravity and tip wrench for the kernels."""
     if gravity is WEIGHTLESS and tip_wrench is None:
         return _NOTHING
     return surroundings((6,), gravity, tip_wrench)

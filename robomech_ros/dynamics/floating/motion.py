@@ -139,11 +139,6 @@ def simulate_floating(
     FloatingMotion
         The momentum is constant up to rounding; the relative tolerance of the integration is 1e-12.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        An argument has a wrong value or shape.
-
     References
     ----------
     Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., sections 7.5.2 and 7.6.3.

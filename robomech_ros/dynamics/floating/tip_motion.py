@@ -75,11 +75,6 @@ def move_floating_tip(
         ``work`` is the change of kinetic energy.  The motion ends early if a joint reaches a limit
         of position or velocity, or if the generalised Jacobian becomes singular.
 
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        An argument has a wrong value or shape.
-
     References
     ----------
     Umetani, Yoshida, Resolved motion rate control of space manipulators with generalized Jacobian
@@ -113,7 +108,7 @@ def follow_floating_path(
     times: ArrayLike | None = None,
     velocity_limits: bool = True,
 ) -> FloatingMotion:
-    """Let the tip follow a path in inertial space while the base reacts.
+    """Follow a path of the tip in inertial space while the base reacts.
 
     Joint rates are the least-norm solution of the generalised Jacobian.
 
@@ -139,11 +134,6 @@ def follow_floating_path(
     -------
     FloatingMotion
         As from :func:`move_floating_tip`.
-
-    Raises
-    ------
-    BadValueError, WrongSizeError
-        An argument has a wrong value or shape.
     """
     kept, start, _, grid = started(robot, pose, q, rates, duration, times)
     n, chain = robot.n, robot.chain

@@ -1,4 +1,4 @@
-"""How many operations the recursive algorithms take, counted as they run.
+"""Number of operations of the recursive algorithms, counted as they run.
 
 References
 ----------

@@ -116,7 +116,7 @@ def _outward(
     for i in range(qd.shape[-1]):
         e, o = bodies.axes[..., i, :], bodies.origins[..., i, :]
         rate, gain = qd[..., i, None] * e, qdd[..., i, None] * e
-        # Of the link before, where joint i is.
+        # Motion of the previous link at joint i.
         v, a = _moved(omega, alpha, v, a, o - point)
         if bodies.revolute[i]:
             alpha = alpha + np.cross(omega, rate) + gain
@@ -142,7 +142,7 @@ def _inward(
 ) -> Array:
     """Return the wrenches (..., m, 6) that the joints pass on outward, at their origins."""
     wrenches = np.empty(twists.shape)
-    # What the last link passes on outward is what it does to the surroundings.
+    # The wrench that the last link passes outward acts on the surroundings.
     moment, force, point = -tip_wrench[:3], -tip_wrench[3:], bodies.tip
     for i in range(twists.shape[-2] - 1, -1, -1):
         o, inertia = bodies.origins[..., i, :], bodies.inertias[..., i, :, :]

@@ -98,7 +98,7 @@ def composite_inertia(links: Sequence[PlainLink]) -> Rows:
     centre, inertia = np.zeros(3, object), np.zeros((3, 3), object)
     for k in range(n - 1, -1, -1):
         link = links[k]
-        # What joint k carries, from the origin of frame k, in the axes of its link.
+        # Bodies carried by joint k, from the origin of frame k, in the axes of its link.
         moved = link.step * mass + centre
         own = link.com * link.mass
         inertia = _summed(_shifted(inertia, mass, centre, link.step), link.inertia)

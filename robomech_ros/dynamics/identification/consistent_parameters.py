@@ -74,7 +74,7 @@ def consistent_least_squares(
         J = L @ (np.eye(4) + Z) @ np.swapaxes(L, -1, -2)
         J = 0.5 * (J + np.swapaxes(J, -1, -2))
         left = t - C @ parameters_from_pseudo_inertia(J).ravel()
-        # Of a large distance no more digits than of a small one.
+        # As many digits for a large distance as for a small one.
         last = weight <= gamma * max(1.0, float(left @ left) / len(t))
         if not last and decrement < _NEAR:
             weight = max(gamma, _LESS * weight)

@@ -100,7 +100,7 @@ class Identification:
 
     @cached_property
     def consistent(self) -> BoolArray:
-        """Which of the bodies of :attr:`parameters` are possible, shape (n,)."""
+        """Mask (n,) of the bodies of :attr:`parameters` that are possible."""
         return is_physically_consistent(self.parameters)
 
 

@@ -1,7 +1,4 @@
-"""Closed forms of kinematics and dynamics, as expressions of SymPy.
-
-Needs SymPy, which is loaded on first use.
-"""
+"""Closed forms of kinematics and dynamics by SymPy, which is loaded on first use."""
 
 from typing import TYPE_CHECKING
 

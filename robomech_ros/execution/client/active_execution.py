@@ -41,7 +41,7 @@ class ActiveExecution:
 
     @property
     def keeps_pace(self) -> bool:
-        """Whether its pace is not to be changed any more: it is cancelled, or has arrived."""
+        """True if its speed no longer changes: it is cancelled, or has arrived."""
         return bool(self.cancelled) or self._reached is not None
 
     def set_pace(self, pace: float, now: float) -> None:
@@ -68,7 +68,7 @@ class ActiveExecution:
         return None
 
     def clock_jumped(self, by: float, now: float) -> None:
-        """Have a motion that waits for its stamp begin `by` (s) earlier; others go on."""
+        """Advance a motion that waits for its stamp by `by` (s); others go on."""
         delivery = self.delivery
         if not delivery.waits(now) or self._reached is not None:
             return

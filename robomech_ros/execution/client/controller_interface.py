@@ -16,11 +16,11 @@ class ControllerInterface(Protocol):
 
     @property
     def died(self) -> bool:
-        """Whether a controller that was there no longer shows signs of life."""
+        """True if a controller that was there no longer shows signs of life."""
 
     @property
     def replaced(self) -> bool:
-        """Whether the controller that was sent to last has died, and another process is there."""
+        """True if the controller that was sent to last has died, and another process is there."""
 
     def send(self, delivery: ExecutionRequest) -> None:
         """Send, instead of what was sent of this delivery before.
@@ -38,7 +38,7 @@ class ControllerInterface(Protocol):
         """Return the present positions, rad or m; None if not known."""
 
     def update_count(self, names: Sequence[str]) -> int:
-        """Return a number that grows whenever all these joints have newer states."""
+        """Return a counter that grows whenever all these joints have newer states."""
 
     def kinds(self, names: Sequence[str]) -> JointKinds:
         """Say which joints turn without limits, and in which units they are."""

@@ -7,7 +7,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class DispatchSettings:
-    """How many deliveries may wait, and when one has arrived or is given up (rad or m, and s).
+    """Size of the queue, and conditions of arrival and failure (rad or m, and s).
 
     The joints may be off start and goal by the tolerances. Waiting clients are notified when the
     controller is away for ``controller_timeout``. A motion may arrive ``arrival_timeout`` after its

@@ -64,7 +64,7 @@ class Dispatcher:
 
     @property
     def busy(self) -> bool:
-        """Whether anything is being executed or waits."""
+        """True if anything is being executed or waits."""
         return self._active is not None or bool(self.queue)
 
     def set_speed(self, speed: float, now: float) -> None:
@@ -85,7 +85,7 @@ class Dispatcher:
         self.step(now)
 
     def cancel(self, text: str, now: float) -> int:
-        """Give up what is under way and all that waits, for a reason; return how many those are."""
+        """Cancel running and waiting deliveries for a reason; return their number."""
         self._now = now
         count = len(self.queue) + (self._active is not None)
         while self.queue:
@@ -101,10 +101,7 @@ class Dispatcher:
         return count
 
     def offer(self, delivery: ExecutionRequest, now: float) -> None:
-        """Queue a delivery, and send it if nothing is before it.
-
-        Raises QueueFullError where it is not accepted.
-        """
+        """Queue a delivery, or send it if it is the first; QueueFullError if there is no room."""
         self.queue.add(delivery, now)
         self.step(now)
 
@@ -138,7 +135,7 @@ class Dispatcher:
         self.step(now)
 
     def close(self, text: str) -> None:
-        """Give up all that waits and is being watched, and tell the listeners."""
+        """Drop all waiting and monitored deliveries, and notify the listeners."""
         while self.queue:
             self._end(self.queue.pop(), MotionResult(Code.REJECTED, f"not sent: {text}"))
         if self._active is not None:

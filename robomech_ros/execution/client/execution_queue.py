@@ -84,7 +84,7 @@ class ExecutionQueue:
         return [(self._waiting.popleft(), positions)]
 
     def _wait_for_states(self, delivery: ExecutionRequest, now: float) -> list[Taken]:
-        """Give up the first one if states of its joints are missing for too long.
+        """Drop the first one if states of its joints are missing for too long.
 
         The controller is there, so those behind it, which may name other joints, must not wait.
         """

@@ -10,7 +10,7 @@ from robomech_ros.typing import Array
 
 
 class Transport(Enum):
-    """How a trajectory reaches the controller."""
+    """Transport of a trajectory to the controller."""
 
     TOPIC = "topic"
     ACTION = "action"
@@ -18,13 +18,13 @@ class Transport(Enum):
 
     @property
     def answers(self) -> bool:
-        """Whether the controller says how the motion ended."""
+        """True if the controller says how the motion ended."""
         return self is not Transport.TOPIC
 
 
 @dataclass(frozen=True)
 class ExecutionReport:
-    """How a delivery ended: one of `Code`, the reason with joint and amount, and the time it took.
+    """End of a delivery: one of `Code`, the reason with joint and amount, and the duration.
 
     The code is 0 if the robot is where the trajectory ends. The duration is from sending to the end
     (s), 0 if it was never sent.
@@ -94,7 +94,7 @@ class ExecutionRequest:
             self.due -= by
 
     def waits(self, now: float) -> bool:
-        """Whether what was sent is to begin later than now (s)."""
+        """Return whether what was sent is to begin later than now (s)."""
         return now < self.sent_at + self.delay
 
     def listen(self, listener: Callable[[ExecutionReport], None]) -> None:

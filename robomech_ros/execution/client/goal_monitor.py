@@ -53,7 +53,7 @@ class GoalMonitor:
 
     @property
     def stands(self) -> bool:
-        """Whether the robot was seen to stand since the trajectory should be over."""
+        """True if the robot was seen to stand since the trajectory should be over."""
         return self._progress.stands
 
     @property
@@ -84,7 +84,7 @@ class GoalMonitor:
         self._progress.look(now, positions, gateway.update_count(delivery.names))
         self._silence = self._silence + min(since, _ONE_LOOK) if self._progress.silent else 0.0
         if positions is None:
-            # What was seen at last says more.
+            # The last observation says more.
             self.off = self.off or f"no joint states of {', '.join(delivery.names)}"
         else:
             kinds = gateway.kinds(delivery.names)

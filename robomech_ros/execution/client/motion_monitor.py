@@ -38,7 +38,7 @@ class MotionMonitor:
 
     @property
     def stuck(self) -> float:
-        """How long the robot is known to stand although the trajectory should have moved it, s."""
+        """Time (s) for which the robot has stood still although the trajectory moves."""
         return 0.0 if self._overdue_since is None else self._received_at - self._overdue_since
 
     def look(self, now: float, position: Array | None, update_count: int) -> None:

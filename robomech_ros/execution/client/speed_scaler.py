@@ -1,4 +1,4 @@
-"""How fast the present trajectory is executed, and what is sent when that changes."""
+"""Speed scale of the present trajectory, and the messages that change it."""
 
 from dataclasses import replace
 
@@ -55,7 +55,7 @@ class SpeedScaler:
 
     @property
     def stops(self) -> bool:
-        """Whether the delivery was stopped before its end."""
+        """True if the delivery was stopped before its end."""
         return not self._scaling.pace
 
     def postpone(self, begin: float) -> None:

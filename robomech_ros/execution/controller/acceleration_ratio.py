@@ -33,12 +33,12 @@ class AccelerationRatio:
 
     @property
     def ratio(self) -> float:
-        """How many times the limit it is."""
+        """Ratio to the limit."""
         return abs(self.value) / self.limit
 
     @property
     def remarkable(self) -> bool:
-        """Whether it is over the limit by more than planners exceed it by rounding."""
+        """True if it exceeds the limit by more than rounding of planners."""
         return self.ratio > 1.0 + _NOTICED
 
     def __str__(self) -> str:

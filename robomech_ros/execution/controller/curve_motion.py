@@ -60,7 +60,7 @@ class CurveMotion:
         return rate
 
     def hold(self, span: float) -> None:
-        """Let the joints follow what is desired for `span` (s)."""
+        """Move the joints along the desired motion for `span` (s)."""
         self.actual = self._joints.follow(self.desired, span)
 
     def settle(self, position: Array) -> None:
@@ -69,9 +69,9 @@ class CurveMotion:
         self.hold(0.0)
 
     def stand(self) -> None:
-        """Have the joints stand where they are."""
+        """Stop the joints where they are."""
         self.desired, self.actual = at_rest(self._joints.position), self._joints.stand()
 
     def put(self, position: Array, shown: Array | None = None) -> None:
-        """Have the joints stand somewhere else (rad or m), at once; see `SimulatedJoints.put`."""
+        """Place the joints at rest elsewhere (rad or m), at once; see `SimulatedJoints.put`."""
         self.desired, self.actual = at_rest(position), self._joints.put(position, shown)

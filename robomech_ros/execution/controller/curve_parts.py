@@ -28,10 +28,7 @@ def _binomials(order: int) -> tuple[Array, Array]:
 
 
 def rebased(coefficients: Array, by: float | Array) -> Array:
-    """Rewrite polynomials (order + 1, n) in powers of the time since `by` (s).
-
-    Of m times the result is (m, order + 1, n).
-    """
+    """Rewrite polynomials (order + 1, n) in powers of the time since `by` (s), one or (m,)."""
     factors, powers = _binomials(len(coefficients))
     return (factors * np.asarray(by)[..., None, None] ** powers) @ coefficients
 
@@ -124,7 +121,7 @@ def spliced(first: PiecewisePolynomial, then: PiecewisePolynomial) -> PiecewiseP
 
 
 def prolonged_back(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomial:
-    """Have a curve begin earlier by a time (s), at its first velocity."""
+    """Extend a curve backwards by a time (s) at its first velocity."""
     begin = curve.sample(curve.breaks[0])
     before = np.stack((begin.position - time * begin.velocity, begin.velocity))[:, None]
     return chained(np.append(curve.breaks[0] - time, curve.breaks), before, pieces_of(curve))

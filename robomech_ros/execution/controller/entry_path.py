@@ -22,7 +22,7 @@ from robomech_ros.trajectory.waypoints import Waypoints
 
 
 class EntryPath(NamedTuple):
-    """How a trajectory is followed: the curve from now on, to the end, and its schedule.
+    """Execution of a trajectory: the curve from now to the end, and its schedule.
 
     The schedule is that of the trajectory that the robot catches up with or lets pass, None if it
     is in time. It is blocked while the limits allow no entry, so that the present motion goes on.
@@ -80,7 +80,7 @@ def entry_path(
 
 
 def _can_be_caught(waypoints: Waypoints, late: float) -> bool:
-    """Whether a trajectory has velocities everywhere, and has not been over for long."""
+    """Return whether a trajectory has velocities everywhere, and has not been over for long."""
     velocities = waypoints.velocities
     if velocities is None or not np.isfinite(velocities).all():
         return False

@@ -28,7 +28,7 @@ from robomech_ros.typing import Array
 _AGAIN = 0.01
 # A trajectory that is followed at its pace is no farther from its time than rounding (s).
 _IN_STEP = 1e-6
-# A jump of the clock by more than this is of interest to who waits for a motion (s).
+# A jump of the clock by more than this is reported to waiting clients (s).
 _REMARKABLE = 0.2
 # For so long after a jump the senders of trajectories may be off by what they left out (s).
 _UNSETTLED = 1.0
@@ -132,7 +132,7 @@ class TrajectoryFollower:
             self._begin(goal, f"preempted by {by}")
 
     def advance(self, now: float) -> None:
-        """Let time pass until `now` (s); a clock that goes backwards stands still."""
+        """Advance the time to `now` (s); a clock that goes backwards stands still."""
         span = now - self.now
         self.now = now
         if not span > 0.0:
@@ -265,7 +265,6 @@ class TrajectoryFollower:
             goal.finish(end, code, text, self.actual.position)
 
     def _step(self, span: float) -> None:
-        """Move for `span` (s)."""
         goal = self.active
         if goal is None:
             self.motion.hold(span)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class FollowerSettings:
-    """Which trajectories are accepted, and how they are followed (rad or m, and s).
+    """Acceptance of trajectories, and their execution (rad or m, and s).
 
     The first point may be ``start_tolerance`` from the present position. A trajectory may begin
     ``longest_wait`` in the future, and be under way ``command_timeout`` after its end; 0 = any

@@ -133,7 +133,7 @@ def without_turns(positions: Array, present: State, joints: Joints) -> Array:
 
 
 def completed(waypoints: Waypoints, present: State) -> Waypoints:
-    """Let the joints that the trajectory does not name stay where they are."""
+    """Add the unnamed joints to the trajectory, at their present positions."""
     missing = np.isnan(waypoints.positions[0])
     if not missing.any():
         return waypoints

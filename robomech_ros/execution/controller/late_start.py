@@ -92,7 +92,7 @@ class ScheduleShift:
 
     @property
     def in_time(self) -> bool:
-        """Whether the robot is where the stamps have it at time 0."""
+        """True if the robot is on schedule at time 0."""
         return self.lag <= 0.0 and self.merged <= 0.0
 
     @property
@@ -130,7 +130,7 @@ def infeasibility(
 
 
 def _gentle(curve: PiecewisePolynomial, present: State, joints: Joints) -> bool:
-    """Whether a cubic to the first point is within all limits, as it is in a stream in time."""
+    """Return whether a cubic to the first point is within all limits, as in a punctual stream."""
     if len(curve.coefficients) != 4:
         return False
     (_, _, half, sixth), limit = curve.coefficients[:, 0], joints.acceleration
@@ -167,10 +167,7 @@ def late_start(
 def extend_schedule(
     waypoints: Waypoints, joints: Joints, late: float, before: ScheduleShift
 ) -> ScheduleShift:
-    """Add a late trajectory to a schedule, for a robot that cannot join the trajectory yet.
-
-    Parameters are those of `late_start`.
-    """
+    """Add a late trajectory to a schedule if the robot cannot join yet, as `late_start`."""
     coming = _coming(waypoints, joints, late, before.lag)
     if not before.curve.breaks[0] < min(coming.breaks[0], 0.0):
         return before

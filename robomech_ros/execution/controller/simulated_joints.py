@@ -1,7 +1,4 @@
-"""Simulated joints, which follow exactly, with a lag, or by the forces of their drives.
-
-They may have faults.
-"""
+"""Simulated joints, which follow exactly, with a lag, or by forces; with simulated faults."""
 
 import math
 from collections import deque
@@ -15,7 +12,7 @@ from robomech_ros.execution.joints import State, at_rest
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.typing import Array, BoolArray
 
-# What sums of cycles may be off, s.
+# Rounding of sums of cycles, s.
 _ROUNDING = 1e-9
 # Positions that differ by less (rad or m) are the same.
 _SAME = 1e-12
@@ -39,7 +36,7 @@ class Faults:
 
     @property
     def none(self) -> bool:
-        """Whether nothing is wrong."""
+        """True if nothing is wrong."""
         wrong = self.stuck.any() or self.offset.any()
         return not (wrong or self.delay or self.dropped or self.noise)
 
@@ -62,14 +59,14 @@ class Plant(Protocol):
     def drive(
         self, before: State, command: State, span: float, held: BoolArray | None
     ) -> DrivenMotion:
-        """Let a time (s) above 0 pass in which the command goes over from one to another.
+        """Advance by a time (s) above 0 during which the command changes to another.
 
         Something holds the joints ``held`` (n,) where they are. Raises RobomechError where the
         motion diverged; the joints stand at the last finite state.
         """
 
     def put(self, position: Array) -> DrivenMotion:
-        """Have the joints stand somewhere (rad or m), at once."""
+        """Place the joints at rest (rad or m), at once."""
 
 
 class SimulatedJoints:
@@ -108,12 +105,12 @@ class SimulatedJoints:
         return self._state.position
 
     def inject(self, faults: Faults) -> None:
-        """Have these faults from now on, instead of those before."""
+        """Set the simulated faults in place of the previous ones."""
         self._faults = None if faults.none else faults
         self._random = np.random.default_rng(faults.seed)
 
     def follow(self, desired: State, span: float) -> State:
-        """Let a time (s) pass, at whose end a state is commanded; return what the sensors show."""
+        """Advance by a time (s) to a commanded state; return the sensor values."""
         wrong = self._faults is not None or self._astray or self._late
         if self._plant is None and not (self._lag or wrong):
             self._state = self._command = desired

@@ -22,10 +22,7 @@ _JERKS, _ROOTS = np.array([60.0, 36.0, 9.0]), np.array([1.0 / 3.0, 0.5, 1.0])
 
 
 def fading_time(step: Array, kick: Array, push: Array, joints: Joints) -> float:
-    """Return the time in which the smoothing needs half the limits of the worst joint.
-
-    An offset in acceleration counts for the jerk alone.
-    """
+    """Return the smoothing time for half the limits of the worst joint."""
     half, jerk = 0.5 * joints.acceleration, joints.limits.jerk
     linear = _PEAK_OF_VELOCITY * np.abs(kick)
     square = 4.0 * half * _PEAK_OF_POSITION * np.abs(step)
@@ -53,7 +50,7 @@ def with_fading(
 
 
 def delayed(curve: PiecewisePolynomial, time: float) -> PiecewisePolynomial:
-    """Let a curve stay at its start for `time` (s) before it begins."""
+    """Delay a curve by `time` (s) at rest at its start."""
     start = curve.sample(curve.breaks[0]).position
     breaks = np.append(curve.breaks[0], curve.breaks + time)
     return chained(breaks, start[None, None], pieces_of(curve))

@@ -13,7 +13,7 @@ from robomech_ros.trajectory.profiles.state_to_state import state_to_state
 from robomech_ros.trajectory.waypoints import Waypoints, discretise
 from robomech_ros.typing import Array, BoolArray
 
-# Where no speed is known, fingers take this long from one end of their range to the other, s.
+# Time for the range of fingers of unknown speed, s.
 _TIME_TO_CLOSE = 1.0
 # A motion has a waypoint at each step of its jerk, and no others, s; and so many at the most.
 _NO_OTHERS = 1e6
@@ -43,7 +43,7 @@ class FingerCommand:
 
     @property
     def moved(self) -> BoolArray:
-        """Which joints it is about, shape (n,)."""
+        """Mask (n,) of its joints."""
         return np.isfinite(self.position)
 
 

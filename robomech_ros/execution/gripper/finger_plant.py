@@ -9,7 +9,7 @@ from robomech_ros.execution.joints import State, at_rest
 from robomech_ros.trajectory.limits import Limits
 from robomech_ros.typing import Array, BoolArray
 
-# What is nearer than this (rad or m) is at the same place: rounding of positions.
+# Positions nearer than this (rad or m) are equal up to rounding.
 _SAME = 1e-9
 
 
@@ -46,7 +46,7 @@ class FingerPlant:
         self.put(position)
 
     def put(self, position: Array) -> DrivenMotion:
-        """Have the joints stand somewhere (rad or m), at once."""
+        """Place the joints at rest (rad or m), at once."""
         self._state = at_rest(position)
         self.pressing = np.zeros(len(position), dtype=bool)
         self._behind = self.pressing
@@ -56,7 +56,7 @@ class FingerPlant:
     def drive(
         self, before: State, command: State, span: float, held: BoolArray | None
     ) -> DrivenMotion:
-        """Let time pass; see :class:`Plant`."""
+        """Advance the time; see :class:`Plant`."""
         wanted = self._wanted(command, span)
         stop = self._stops(wanted)
         if held is not None:

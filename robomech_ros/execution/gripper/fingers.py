@@ -79,7 +79,7 @@ class Fingers:
         return motion
 
     def follow(self, start: Callable[[], TrajectoryGoal], by: str) -> TrajectoryGoal:
-        """Have the follower follow a trajectory, instead of whatever they are doing.
+        """Start a trajectory in the follower, in place of the present motion.
 
         ``start`` starts it; it may raise RobomechError, then nothing has changed. ``by`` says who
         sends it, for the text of the command that it replaces.

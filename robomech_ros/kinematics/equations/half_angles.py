@@ -125,10 +125,7 @@ def angles_of_roots(waves: ComplexArray) -> ComplexArray:
 
 
 def angles_of_line(C: complex, D: complex, E: complex) -> ComplexArray:
-    """Find both angles (rad), real or complex, with C cos + D sin + E = 0.
-
-    They are infinite where C and D vanish against E.
-    """
+    """Solve C cos + D sin + E = 0 for both angles (rad), complex, or infinite if C = D = 0."""
     # (C - i D) z^2 + 2 E z + (C + i D) = 0 for z = exp(i angle)
     roots = np.zeros(2, complex)
     found = np.roots([C - 1j * D, 2.0 * E, C + 1j * D])

@@ -24,7 +24,7 @@ from robomech_ros.kinematics.equations.half_angles import angle_of
 from robomech_ros.numerics import newton_gauss
 from robomech_ros.typing import Array
 
-# What a posture leaves of the pose, as part of what one radian changes, or of 1.
+# Residual of a posture in the pose, relative to the change by one radian, or to 1.
 _ACCEPTED = 1e-10
 # Two ends of the refinement this near (rad) are one; up to the second they are one singular
 # posture, where it converges slowly, if the posture between them, too, gives the pose to the third.

@@ -100,7 +100,7 @@ class UnivariateRoots:
 
 @dataclass(frozen=True)
 class _Procedure:
-    """How equations become a matrix, which of joints 3 to 5 it hides, and what is read off it."""
+    """Layout of equations in a matrix, its hidden joint of 3 to 5, and the values read off it."""
 
     matrix: Callable[[ClosureEquations], Array]
     place: int
@@ -216,7 +216,7 @@ def _most_regular(
         angles = sampled_determinants(matrix, _DEGREE + 1)[0]
         conditions = np.array([_condition(matrix, angle, 1) for angle in angles])
         k = int(np.argmin(conditions))
-        # Where joints 1 and 2 cannot be told from each other, roots mean nothing.
+        # If joints 1 and 2 are indistinguishable, roots mean nothing.
         regular = 1.0 / max(conditions[k], float(np.linalg.cond(equations.right[:, :8])))
         if regular > best:
             best, choice = regular, (equations, matrix, float(angles[k]))

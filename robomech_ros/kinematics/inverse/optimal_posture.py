@@ -1,4 +1,4 @@
-"""Which posture of a redundant arm is best, by a criterion, among all that reach a pose."""
+"""Best posture of a redundant arm by a criterion, among all that reach a pose."""
 
 from __future__ import annotations
 

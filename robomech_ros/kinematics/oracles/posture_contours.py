@@ -26,7 +26,7 @@ from robomech_ros.typing import Array, ArrayLike
 
 # All three rows of six.
 MINORS = tuple(combinations(range(6), 3))
-# What a posture leaves of the other equations where contours touch: there a crossing is known to
+# Residual of a posture in the other equations where contours touch: there a crossing is known to
 # the root of the rounding, and its posture is this near (rad).
 _LEFT, _NEAR = 1e-4, 1e-3
 

@@ -12,7 +12,7 @@ from robomech_ros.typing import Array, ArrayLike, IntArray
 
 LARGEST_BOUND = 1e6
 _AXES = "xyz"
-# Of a step, by which a point may be beyond the box: rounding.
+# Fraction of a step by which a point may be beyond the box: rounding.
 _ROUNDING = 1e-9
 
 

@@ -19,7 +19,7 @@ from robomech_ros.robots.chain import SerialChain
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array, IntArray
 
-# What is known of a cell: how many orientations have a posture; how many postures they have
+# Facts of a cell: number of orientations with a posture; number of their postures
 # together; the least condition number of any of these, NaN where there is none; and the mean over
 # the orientations reached of the reciprocal of the least condition number of each.
 CELL = np.dtype(

@@ -25,7 +25,7 @@ from robomech_ros.spatial.arrays import as_choice
 _FORMAT = "robomech map 1"
 _MEMBERS = ("header", "orientations", "cells")
 _LARGEST_HEADER = 1 << 16
-# What numpy writes in front of an array, at the most.
+# Longest header of numpy in front of an array.
 _PREAMBLE = 1 << 12
 
 

@@ -65,12 +65,12 @@ class ReachMap:
 
     @property
     def complete(self) -> bool:
-        """Whether all points are computed."""
+        """True if all points are computed."""
         return self.finished == self.grid.cells
 
     @property
     def reached(self) -> IntArray:
-        """How many of the orientations have a posture, shape (nx, ny, nz); -1 if not computed."""
+        """Number of orientations with a posture, shape (nx, ny, nz); -1 if not computed."""
         return self._field("reached").astype(np.int64)
 
     @property
@@ -84,7 +84,7 @@ class ReachMap:
 
     @property
     def solutions(self) -> IntArray:
-        """How many postures all orientations have together, shape (nx, ny, nz).
+        """Number of postures of all orientations together, shape (nx, ny, nz).
 
         For a redundant arm the number of samples that were taken of the self-motions.
         """

@@ -1,4 +1,4 @@
-"""How far the joints are from the nearest singular posture."""
+"""Distance of the joints from the nearest singular posture."""
 
 from __future__ import annotations
 

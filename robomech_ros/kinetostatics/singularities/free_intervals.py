@@ -1,4 +1,4 @@
-"""Whether joint intervals hold a singular posture: proofs by bounds of the Jacobian's minors.
+"""Proofs that joint intervals hold no singular posture, by bounds of the Jacobian's minors.
 
 The Jacobian keeps its rank where one of its largest minors is not zero.  As seen from the tip, each
 of these minors is a polynomial of degree two in the cosine and sine of every angle and in every

@@ -1,4 +1,4 @@
-"""How far a posture is from a singularity, what is lost there, and why."""
+"""Distance of a posture from a singularity, the lost directions, and the reasons."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class SingularityReport(Printed):
 
     @property
     def singular(self) -> bool:
-        """Whether the tip has lost a motion that the arm has in other postures."""
+        """True if the tip has lost a motion that the arm has in other postures."""
         return bool(self.kinds)
 
 

@@ -360,7 +360,7 @@ def _roles(pieces: list[CurvePiece], size: float, joined: float = _JOINED) -> li
             loop.append(unused.pop(int(np.argmin(gaps))))
         path = np.concatenate([pieces[k].points for k in loop])
         start = pieces[loop[0]].points[0]
-        # What is open ends on axis 1, where the way back adds nothing.
+        # An open curve ends on axis 1, where the way back adds nothing.
         closed = np.concatenate((path, start[None]))
         area = 0.5 * ((closed[1:, 0] + closed[:-1, 0]) * np.diff(closed[:, 1])).sum()
         for k in loop:

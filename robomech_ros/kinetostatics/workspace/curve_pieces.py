@@ -166,7 +166,7 @@ def _probes(points: Array, lengths: Array, beside: float) -> tuple[Array, Array]
 
 
 def _coincide(piece: CurvePiece, other: CurvePiece, size: float) -> bool:
-    """Whether two pieces are the same curve: arms that reach it in two ways have it twice."""
+    """Tell whether two pieces are the same curve: arms that reach it in two ways have it twice."""
     if (piece.more, piece.fewer) != (other.more, other.fewer):
         return False
     ends = piece.points[[0, -1]] - other.points[[0, -1]]

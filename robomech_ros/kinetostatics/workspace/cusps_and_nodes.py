@@ -10,7 +10,7 @@ from robomech_ros.typing import Array, BoolArray, IntArray
 
 _NEWTON = 12
 _TINY = 1e-30  # step of complex differentiation
-# Where the gradient of det J21 is below this share of its largest, branches cross.
+# Branches cross where the gradient of det J21 is below this fraction of its largest.
 _FLAT = 1e-7
 # Cells in which segments are compared, over the arm's size.
 _CELL = 1.0 / 150.0
@@ -21,7 +21,7 @@ _SAME = 1e-9
 # Longest chord over the arm's size, times a few: how far a refined crossing may be from chords'.
 _NEAR = 1.0 / 100.0
 _ASTRAY = 0.2  # and the joint values (rad or m)
-# Of the crossings of two branches in a cell of this width, over the arm's size, one is refined.
+# Width of cells, over the arm's size, with one refined crossing of two branches.
 _APART = 1.0 / 500.0
 
 

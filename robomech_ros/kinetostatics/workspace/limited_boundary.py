@@ -132,7 +132,7 @@ class LimitedBoundary:
             normal = np.stack([self._walls[k].normals[near[k][2][j]] for j, k in chosen])
             at, across = self._beside(points[open_], feet, normal)
             sides = self._reached_beside(at, across)
-            # Of curves that coincide one is kept: where it cannot lead here, another one may.
+            # One of coincident curves is kept: another one may lead here if it cannot.
             bounds = np.where(
                 inside[open_], sides[0] != sides[1], sides[0] | sides[1] | self._attains(at, q)
             )
@@ -140,7 +140,7 @@ class LimitedBoundary:
         return found
 
     def _attains(self, points: Array, q: Array) -> BoolArray:
-        """Whether joint 1 can bring the point from where joints 2 and 3 put it to points (k, 3)."""
+        """Return whether joint 1 can move the point, set by joints 2 and 3, to points (k, 3)."""
         section = self._section
         (p,) = section.derivatives(q[:, 0], q[:, 1], 0)
         if section.slides[0]:
@@ -163,12 +163,12 @@ class LimitedBoundary:
         )
 
     def _divides(self, points: Array, normals: Array) -> BoolArray:
-        """Whether of the points on either side of surfaces only one can be reached."""
+        """Return whether only one side of surfaces can be reached."""
         sides = self._reached_beside(points, normals)
         return sides[0] != sides[1]
 
     def _reached_beside(self, points: Array, normals: Array) -> list[BoolArray]:
-        """Whether the points on either side of surfaces can be reached."""
+        """Return whether the points on both sides of surfaces can be reached."""
         step = _BESIDE * self._section.size
         return [
             self._postures.count(self._section.in_base(points + sign * step * normals)) > 0

@@ -1,4 +1,4 @@
-"""Which orientations the tip can take at a point."""
+"""Orientations that the tip can take at a point."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class OrientationWorkspace:
 
     @property
     def reachable(self) -> BoolArray:
-        """Which of the samples can be taken, shape (m,)."""
+        """Mask (m,) of the samples that can be taken."""
         return self.solution_count > 0
 
     @property

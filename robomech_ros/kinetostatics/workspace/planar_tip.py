@@ -32,7 +32,7 @@ _BISECTIONS = 20
 # Curves as near to each other as this, over the arm's size, are the same: where two touch, points
 # beside one of them are also beside the other.
 _SAME = 3.0 * _BESIDE
-# Of how many vertices of a curve that is looked at.
+# Number of examined vertices of a curve.
 _LOOKED_AT = 50
 
 
@@ -192,10 +192,7 @@ def _dividing(pairs: tuple[HeldPair, ...]) -> tuple[tuple[CurvePiece, ...], ...]
 
 @dataclass(frozen=True, eq=False)
 class _Branch:
-    """A curve, and which of its sides is reached.
-
-    Places on it are numbers, k + x between its vertices k and k + 1.
-    """
+    """A curve with its reached side; a number k + x is between its vertices k and k + 1."""
 
     branch: Branch
     section: WorkspaceSection

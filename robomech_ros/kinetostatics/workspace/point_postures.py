@@ -68,5 +68,5 @@ class PointPostures:
         T = assembled(_ORIENTATION, points / self._unit)
         q, counts, _ = solve_many(self._chain, T, self._family, self._request, MAX_SOLUTIONS)
         within = np.arange(MAX_SOLUTIONS) < counts[:, None]
-        # Of the two ways of the wrist the one that is bent to the positive side.
+        # The wrist branch that bends to the positive side.
         return q, within & (q[:, :, 4] >= 0.0)

@@ -57,7 +57,7 @@ def _descended(chain: SerialChain, sign: float) -> float:
     distance = np.full(_STARTS, np.inf)
     for _ in range(_SWEEPS):
         before = distance
-        # Of every joint the tip as it stands beyond the joint, then the origin as seen before it.
+        # For every joint: the tip beyond it, then the origin before it.
         tips = [np.broadcast_to(C[-1][:3, 3], (_STARTS, 3))]
         for j in range(chain.n - 1, 0, -1):
             moved = moved_by_joint(turns[j], q[:, j], tips[0])
@@ -118,7 +118,7 @@ def _angle(
     middle = 0.5 * (lower + upper)
     best = middle + np.remainder(best - middle + np.pi, 2.0 * np.pi) - np.pi
     ends = np.array((lower, upper))
-    # What an end of the range gives falls with the angle between it and the best.
+    # The value at an end of the range falls with its angle from the best.
     nearest = np.cos(ends[:, None] - best).argmax(axis=0)
     inside = (best >= lower) & (best <= upper)
     return np.where(inside, best, ends[nearest])

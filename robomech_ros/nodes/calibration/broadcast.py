@@ -90,10 +90,7 @@ class ResultBroadcaster:
 
 
 def marker_message(samples: Samples, frames: Frames) -> MarkerArray:
-    """Draw the samples, and the result if it is that of these very samples.
-
-    The message replaces all that was shown before.
-    """
+    """Replace the drawing by the samples, and by the result if it is of these samples."""
     base, hand, solution = frames.base, frames.hand, samples.solved
     if solution is None:
         drawn = sample_markers(samples.robot, samples.tracking, base)

@@ -80,7 +80,6 @@ def _fill_residuals(found: HandEyeResult, response: Any) -> None:
 
 
 def _lines(samples: Samples) -> list[str]:
-    """Describe the samples, one a line."""
     solution = samples.solved
     lines = []
     for k, (robot, tracking) in enumerate(zip(samples.robot, samples.tracking, strict=True)):

@@ -64,7 +64,7 @@ class CalibrationNode(Node):
         self._saved = load(settings.folder, settings.saved) if settings.saved else None
         base, hand = settings.robot_base_frame, settings.robot_effector_frame
         if base and hand and not settings.robot_description:
-            # Of the robot these two frames are all that is needed.
+            # Only these two frames of the robot are needed.
             self._serve(base, hand)
             Readiness(self)
         else:
@@ -189,7 +189,6 @@ class CalibrationNode(Node):
         return answer(response)
 
     def _mount(self, number: int) -> str:
-        """Read the mount of a request."""
         if number == SolveCalibration.Request.CONFIGURED:
             return MOUNT_OF_TYPE[self._table.settings.calibration_type]
         if number not in _MOUNTS:

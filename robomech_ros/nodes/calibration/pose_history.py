@@ -32,19 +32,13 @@ class TfTrack:
         self._listener.look()
 
     def last(self) -> int | None:
-        """Return the latest instant (ns of ROS time) with a pose; None = any instant.
-
-        Raises NoTransformError: no pose is known.
-        """
+        """Return the latest instant (ns) with a pose, None for any, or raise NoTransformError."""
         if self._listener.missing:
             raise NoTransformError(self._listener.missing, may_come=False)
         return self._listener.tree.between(self.parent, self._child).stamp
 
     def at(self, stamp: int) -> Array:
-        """Return the pose (4, 4) at an instant (ns).
-
-        Raises NoTransformError: the pose at this instant is no longer kept, or not yet known.
-        """
+        """Return the pose (4, 4) at an instant (ns), or raise NoTransformError if it is unknown."""
         return self._listener.tree.between(self.parent, self._child, stamp).pose
 
     def context(self) -> str:

@@ -43,7 +43,7 @@ class Solution:
 
     @property
     def in_hand(self) -> bool:
-        """Whether the sensor moves with the hand."""
+        """True if the sensor moves with the hand."""
         return self.result.mount == "eye-in-hand"
 
     @property

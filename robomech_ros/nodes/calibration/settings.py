@@ -77,5 +77,5 @@ def check_settings(settings: CalibrationSettings) -> None:
 
 
 def is_plain_name(name: str) -> bool:
-    """Whether this is the name of a file that is in no other folder and not hidden."""
+    """Return whether this is the name of a file that is in no other folder and not hidden."""
     return _PLAIN.fullmatch(name) is not None

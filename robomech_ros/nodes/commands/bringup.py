@@ -171,7 +171,6 @@ def _load(args: argparse.Namespace) -> DescribedRobot:
 
 
 def _run_here(options: LaunchOptions) -> int:
-    """Run all nodes in this process."""
     from robomech_ros.nodes.process.run import run_nodes
 
     with options.arguments_of_one_process() as arguments:

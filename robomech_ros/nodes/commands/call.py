@@ -62,10 +62,7 @@ def significant_digits(text: str) -> int:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Call the service and print its answer.
-
-    Returns 0 if the answer says so, 1 if it carries an error, 3 if there was none.
-    """
+    """Call the service and print its answer; returns 0, 1 for an error, 3 without an answer."""
     values = parse_yaml(args.request)
     from robomech_ros.nodes.commands.service_client import NoAnswerError, call_service
 

@@ -79,7 +79,7 @@ def _kind(args: argparse.Namespace) -> NodesOfKind | None:
 
 
 def _floats(args: argparse.Namespace) -> bool:
-    """Whether the document of an arm has a floating base, whose drives are not simulated."""
+    """Return whether the document of an arm has a floating base, whose drives are not simulated."""
     floats = load_description(args.robot).floating_base is not None
     if floats and args.dynamic:
         raise BadValueError("--dynamic", args.robot, "a robot on a fixed base; this one floats")

@@ -66,10 +66,7 @@ def without_types(name: str) -> str:
 
 
 def parse_yaml(text: str) -> Mapping[str, Any]:
-    """Parse a YAML mapping; an empty text is an empty one.
-
-    Raises BadValueError: not YAML, or not a mapping.
-    """
+    """Parse a YAML mapping, empty for an empty text; BadValueError if it is not one."""
     try:
         values = yaml.load(text, Loader=UniqueKeyLoader) if text.strip() else {}
     except (yaml.YAMLError, ValueError, RecursionError) as error:

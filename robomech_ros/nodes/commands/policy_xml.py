@@ -10,7 +10,7 @@ from rclpy.action import (
 )
 from rclpy.node import Node
 
-# Of the format, as `ros2 security` writes it.
+# Version of the format of `ros2 security`.
 _VERSION = "0.2.0"
 # Services and topics that an action consists of.
 _PART_OF_ACTION = "/_action/"

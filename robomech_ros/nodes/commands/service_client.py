@@ -48,10 +48,7 @@ def call_service(service: str, kind: str, values: Mapping[str, Any], timeout: fl
 
 @contextmanager
 def command_node(name: str, namespace: str = "") -> Iterator[Node]:
-    """Make a node for one command, in a context of its own.
-
-    Raises NoAnswerError: ROS was shut down meanwhile.
-    """
+    """Make a node for one command in its own context; NoAnswerError after a shutdown of ROS."""
     rclpy.init(args=[])
     try:
         node = Node(name, namespace=namespace, enable_rosout=False, start_parameter_services=False)
@@ -119,6 +116,6 @@ def _type_in_graph(node: Node, service: str, deadline: float) -> str:
 
 
 def _is_plumbing(service: str) -> bool:
-    """Whether a service is one of those that every node has, or belongs to an action."""
+    """Return whether a service is one of those that every node has, or belongs to an action."""
     last = service.rsplit("/", 1)[-1]
     return "parameter" in last or "type_description" in last or "/_action/" in service

@@ -52,7 +52,7 @@ def rights_of_started(options: LaunchOptions) -> list[NodeRights]:
 
 
 def _looked_at(nodes: Sequence[Node]) -> list[NodeRights]:
-    """Let nodes spin until they have all that they will ever have."""
+    """Spin nodes until all their publishers and services exist."""
     spinner = Spinner(nodes)
     others = Node("other_publisher", start_parameter_services=False)
     spinner.start()

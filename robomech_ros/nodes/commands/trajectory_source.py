@@ -12,7 +12,7 @@ from robomech_ros.nodes.commands.service_client import command_node, latched_mes
 from robomech_ros.nodes.common.messages.message_fields import seconds_from_duration
 from robomech_ros.trajectory import Waypoints
 
-# What a picture is made of at the most.
+# Most points and longest time (s) of a picture.
 _MOST_POINTS, _LONGEST = 1_000_000, 1e7
 _LARGEST_FILE = 1 << 28
 

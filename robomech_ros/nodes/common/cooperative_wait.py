@@ -1,4 +1,4 @@
-"""Pauses of a coroutine in which its node goes on serving others."""
+"""Pauses of a coroutine while its node serves other requests."""
 
 import math
 import queue
@@ -24,12 +24,12 @@ _STEADY = ClockType.STEADY_TIME
 _PAUSE = 0.02
 # How long abandoned work may go on at the end, s.
 _CLOSE_TIMEOUT = 1.0
-# Others are served after so long at the most, s, and one step of the work.
+# Longest work before other requests are served, s, besides one step of the work.
 _TIME_SLICE = 0.005
 
 
 class _Pauses:
-    """All pauses of a node: they end together, since a timer for each of a thousand is too slow."""
+    """All pauses of a node; they end together, since a thousand timers would be too slow."""
 
     def __init__(self, node: Node) -> None:
         self._over: Future = Future()
@@ -55,14 +55,14 @@ _pauses: weakref.WeakKeyDictionary[Node, _Pauses] = weakref.WeakKeyDictionary()
 
 
 async def pause(node: Node) -> None:
-    """Let others be served for up to 20 ms."""
+    """Serve other callbacks for up to 20 ms."""
     if node not in _pauses:
         _pauses[node] = _Pauses(node)
     await _pauses[node].begin()
 
 
 async def ended_within(node: Node, done: Future, seconds: float) -> None:
-    """Wait for a future, or for a while by the machine's clock, after which its result is None."""
+    """Wait for a future; set its result to None after a timeout by the machine's clock."""
     clock = Clock(clock_type=_STEADY)
     timer = passing_timer(node, seconds, lambda: done.done() or done.set_result(None), clock)
     await done
@@ -72,22 +72,22 @@ async def ended_within(node: Node, done: Future, seconds: float) -> None:
 def passing_timer(
     node: Node, seconds: float, callback: Callable[[], object], clock: Clock
 ) -> Timer:
-    """Create a timer that will be destroyed.
+    """Create a timer with a callback group of its own, for nodes that destroy timers.
 
-    Its callback group goes with it: that of the node would keep a trace of every timer there was
+    The callback group of the node would keep a trace of every destroyed timer
     (https://github.com/ros2/rclpy/issues/1356, open in November 2026; look again in May 2027).
     """
     return node.create_timer(seconds, callback, ReentrantCallbackGroup(), clock)
 
 
 def wake(node: Node) -> None:
-    """Let coroutines go on that wait for what a thread other than the executor's has done."""
+    """Resume coroutines that wait for results of another thread."""
     if node.executor is not None:
         node.executor.wake()
 
 
 class Worker:
-    """Does long work in a thread of its own, one piece after the other, while others are served.
+    """Thread for long jobs, one after the other, while the node serves other requests.
 
     - ``node``: the node whose callbacks hand over the work.
     """
@@ -110,7 +110,7 @@ class Worker:
         return done
 
     async def do(self, work: Callable[[], _T], patience: float = math.inf) -> _T:
-        """Return the result of work, or raise what it raises, or the refusal of `give_up`.
+        """Return the result of work; raise its exception, or that of `give_up`.
 
         Work that waits for others for longer than ``patience`` (s) is left undone: TIMED_OUT.
         """
@@ -133,7 +133,7 @@ class Worker:
         return result
 
     def give_up(self, refusal: Exception) -> None:
-        """Raise this in all calls of `do`, waiting or later; call it in the executor's thread."""
+        """Make all calls of `do` raise an exception; call it in the executor's thread."""
         self._closed, self._refusal = True, refusal
         for done in self._awaited:
             if not done.done():
@@ -143,7 +143,7 @@ class Worker:
             wake(node)
 
     def close(self) -> None:
-        """Do no more; work in progress gets a moment to end, and its result is dropped."""
+        """Stop; work in progress gets a moment to end, and its result is dropped."""
         self._closed = True
         self._pieces.put(None)
         self._thread.join(_CLOSE_TIMEOUT)
@@ -159,7 +159,7 @@ class Worker:
                 self._resume(done.set_result, result)
 
     def _resume(self, set_outcome: Callable[[Any], None], what: object) -> None:
-        """Have the executor resume the waiting coroutine."""
+        """Ask the executor to resume the waiting coroutine."""
         node = self._node()
         executor = None if node is None else node.executor
         if executor is None or self._closed:
@@ -168,7 +168,7 @@ class Worker:
         def resume() -> None:
             if self._refusal is None:
                 set_outcome(what)
-            # Tasks that wait are looked at before new ones are, and then only when it is woken.
+            # The executor resumes waiting tasks before new ones, but only after a wake-up.
             executor.wake()
 
         executor.create_task(resume)
@@ -182,7 +182,7 @@ class _NextTurn:
 
 
 class TimeSlices:
-    """Long work in short turns, between which waiting requests are served.
+    """Time slices of long work, with waiting requests served in between.
 
     - ``node``: the node whose callback does the work.
     """
@@ -192,11 +192,11 @@ class TimeSlices:
         self._began = time.monotonic()
 
     async def end_if_over(self) -> None:
-        """Let others work if the turn was long enough; to be awaited after every step."""
+        """Yield to others at the end of a time slice; to be awaited after every step."""
         executor = self._node.executor
         if executor is None or time.monotonic() - self._began <= _TIME_SLICE:
             return
-        # Woken, the executor does not wait for work beyond what there is.
+        # After a wake-up, the executor does not block for new work.
         executor.wake()
         await _NextTurn()
         self._began = time.monotonic()

@@ -1,4 +1,4 @@
-"""Time for motions: it never jumps, even where simulated time does."""
+"""Clock for motions that never jumps, even if simulated time does."""
 
 import time
 from collections.abc import Callable
@@ -14,14 +14,14 @@ _NANO = 1e-9
 # Simulated time that goes on by more than this (s) from one message to the next has jumped, and so
 # has one that goes on by so many times its usual steps and by more than the shortest jump (s).
 LONGEST_STEP, SHORTEST_JUMP, _JUMP_FACTOR = 0.5, 0.05, 5.0
-# How fast the usual step falls to what the steps are now, as a part of it for each step.
+# Rate at which the usual step approaches the present steps, as a fraction per step.
 _FORGET = 0.1
-# Jumps longer than this (s) are said.
+# Least jump that is logged (s).
 _LOGGED_JUMP = 0.1
-# The setting of the system's clock is followed as it is from a difference of this on, and slowly,
-# by a part of the time, from the second on (ns): between lies what looks at two clocks are off.
+# From the first difference (ns) on, a change of the system's clock is followed at once; from the
+# second on slowly, by a fraction of the time.  Below it is the error of reading two clocks.
 _CLOCK_SET, _CLOCK_DRIFT, _DRIFT_RATE = 1_000_000, 50_000, 1e-3
-# Two clocks are read at once if that takes no longer than this (ns); so often it is tried.
+# Longest simultaneous reading of two clocks (ns), and number of attempts.
 _READ_TIME = 20_000
 _LOOKS = 5
 
@@ -31,7 +31,7 @@ class MotionClock:
 
     The steady clock of the machine, which the setting of the system's clock does not touch; with
     the parameter ``use_sim_time`` the simulated time, so that motions keep pace with the
-    simulation.  What that goes back, or forward by more than its usual steps, is left out: no step
+    simulation.  Steps back, or forward by more than usual, are left out: no step
     of the clock moves a joint.  Stamps of messages are always ROS time.
 
     - ``node``: gives the ROS time, and the parameter use_sim_time.
@@ -42,7 +42,7 @@ class MotionClock:
         self._log = ThrottledLog(node.get_logger())
         #: Whether the clock shows simulated time.
         self.simulated = bool(node.get_parameter("use_sim_time").value)
-        #: The clock that timers use.
+        #: Clock for timers.
         self.clock = self._ros if self.simulated else Clock(clock_type=ClockType.STEADY_TIME)
         self._listeners: list[Callable[[float], None]] = []
         self._jumped = self._latest = 0
@@ -54,12 +54,12 @@ class MotionClock:
         if self.simulated:
             least, back = Duration(nanoseconds=1), Duration(nanoseconds=-1)
             threshold = JumpThreshold(min_forward=least, min_backward=back, on_clock_change=False)
-            # Steps are reported as long as this is kept.
+            # Steps are reported while this object exists.
             self._handle = self._ros.create_jump_callback(threshold, post_callback=self._take_step)
 
     @property
     def runs(self) -> bool:
-        """Whether there is time: simulated time is 0 until the first message on ``/clock``."""
+        """True if there is time: simulated time is 0 until the first message on ``/clock``."""
         return not self.simulated or bool(self._ros.now().nanoseconds)
 
     def on_jump(self, listener: Callable[[float], None]) -> None:
@@ -67,12 +67,12 @@ class MotionClock:
         self._listeners.append(listener)
 
     def _take_step(self, step: TimeJump) -> None:
-        """Take a step of simulated time for a jump, or for usual."""
+        """Classify a step of simulated time as a jump or as usual."""
         by = float(step.delta.nanoseconds) * _NANO
         if 0.0 <= by <= min(max(_JUMP_FACTOR * self._usual, SHORTEST_JUMP), LONGEST_STEP):
             self._usual = max(by, (1.0 - _FORGET) * self._usual)
             return
-        # A clock that has come to go in longer steps is believed after some of them.
+        # A clock with longer steps than before is accepted after some of them.
         self._usual = min(2.0 * self._usual, LONGEST_STEP)
         self._take_jump(int(step.delta.nanoseconds))
 
@@ -105,17 +105,14 @@ class MotionClock:
         return self._ros_ahead() + round(moment / _NANO)
 
     def until(self, stamp: Time, now: float) -> float:
-        """Return how far a stamp is ahead of a time of this clock (s), negative if past.
-
-        It is 0 for the stamp 0.
-        """
+        """Return the time (s) from `now` to a stamp, negative if past; 0 for the stamp 0."""
         if not (stamp.sec or stamp.nanosec):
             return 0.0
         given = int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
         return float(given - self.stamp(now)) * _NANO
 
     def _ros_ahead(self) -> int:
-        """Return how far ROS time is ahead of this clock (ns), the same from one look to the next.
+        """Return the lead of ROS time over this clock (ns), steady between looks.
 
         Otherwise the stamps of a regular motion would be irregular by some microseconds.
         """
@@ -132,9 +129,9 @@ class MotionClock:
         return known
 
     def _difference(self) -> int:
-        """Look how far ROS time is ahead of this clock (ns).
+        """Measure the lead of ROS time over this clock (ns).
 
-        A thread may be held up between two looks at clocks, which would show as so much time.
+        A thread may stall between two readings of clocks, which would add to the result.
         """
         shortest = ahead = 0
         for look in range(_LOOKS):

@@ -37,13 +37,13 @@ Settings = TypeVar("Settings")
 
 _METADATA = "robomech parameter"
 _SHORTENED = 120
-# Stands in a field for the dot in the name of a parameter.
+# Replaces the dot of a parameter's name in a field.
 _DOT = "__"
 _TEXTS = tuple[str, ...]
 _TYPE_NAMES = {bool: "true or false", int: "an integer", float: "a number", str: "a string"}
 # The wildcard and the parameters that rclpy itself declares.
 _FOREIGN = ("use_sim_time", "start_type_description_service", "qos_overrides")
-# Earlier names, and those of now.
+# Former names, and present ones.
 _EARLIER = {
     "frame_age": "'max_transform_age'",
     "jog_silence": "'jog_timeout'",
@@ -77,7 +77,7 @@ class ParameterRow:
 
     name: str  #: Name of the parameter.
     kind: Any  #: bool, int, float, str, ``tuple[float, ...]`` or ``tuple[str, ...]``.
-    default: Any  #: Value where none is given.
+    default: Any  #: Default value.
     description: str  #: Meaning of the parameter, and of an empty value or zero.
     low: float | None = None
     high: float | None = None
@@ -92,7 +92,7 @@ class ParameterRow:
 
     @property
     def allowed(self) -> str:
-        """Say in words which values are allowed."""
+        """Describe the allowed values."""
         if self.choices:
             return "one of " + ", ".join(f"'{choice}'" for choice in self.choices)
         if self.kind == _TEXTS:
@@ -113,10 +113,7 @@ class ParameterRow:
         return f"{text}{each} {span}{unit}"
 
     def checked(self, value: Any) -> Any:
-        """Return the value in the type of the row.
-
-        Raises ParameterError: the value has another type, or is out of range.
-        """
+        """Return the value in the type of the row; ParameterError if it is invalid."""
         if self.kind is float and type(value) is int:
             value = float(value)
         single = self.kind in _TYPE_NAMES
@@ -131,7 +128,7 @@ class ParameterRow:
         return value if single else tuple(map(get_args(self.kind)[0], value or ()))
 
     def _allows(self, value: Any) -> bool:
-        """Whether this may be the value, or an entry of the list."""
+        """Return whether this may be the value, or an entry of the list."""
         if self.kind in (str, _TEXTS):
             return isinstance(value, str) and (not self.choices or value in self.choices)
         if self.kind is bool:
@@ -139,14 +136,14 @@ class ParameterRow:
         if isinstance(value, bool | str | bytes):
             return False
         if math.isnan(value):
-            # Where nothing is given: not a number switches off.
+            # NaN stands for no value and switches off.
             return isinstance(self.default, float) and math.isnan(self.default)
         low = -math.inf if self.low is None else self.low
         high = math.inf if self.high is None else self.high
         return math.isfinite(value) and low <= value <= high
 
     def descriptor(self) -> ParameterDescriptor:
-        """Make what ``ros2 param describe`` shows."""
+        """Make the descriptor for ``ros2 param describe``."""
         unit = f" [{self.unit}]" if self.unit else ""
         result = ParameterDescriptor(
             name=self.name, description=self.description + unit, read_only=self.read_only
@@ -181,7 +178,7 @@ def parameter(
     """Make a field of a settings dataclass that is a parameter of the node.
 
     The arguments are those of `ParameterRow`, which takes name and type from the field; ``limits``
-    holds the lowest and the highest value, each of which may be None, and the unit if there is one.
+    holds the lowest and the highest value, either may be None, and the unit if there is one.
     """
     low, high, unit = (*limits, "")[:3] if limits else (None, None, "")
     row = ParameterRow("", None, default, description, low, high, unit, choices, read_only)
@@ -209,7 +206,7 @@ class NodeParameters(Generic[Settings]):
     - ``node``: the node that declares the parameters.
     - ``table``: frozen dataclass whose fields come from :func:`parameter`.
     - ``on_change``: called with the new settings after a parameter changed at run time.
-    - ``check``: called with the new settings before; it raises ParameterError to refuse them.
+    - ``check``: called with the new settings before that; raises ParameterError to reject them.
     - ``former``: current names of parameters by other accepted names.
     - ``later``: prefix, without its dot, of the names of parameters that `declare` adds.
 
@@ -225,7 +222,7 @@ class NodeParameters(Generic[Settings]):
         former: Mapping[str, str] | None = None,
         later: str = "",
     ) -> None:
-        # Not the node: a circle would keep one alive that cannot start.
+        # Without the node: a reference cycle would keep it alive if it cannot start.
         self._former, self._later = {**_EARLIER, **(former or {})}, later
         #: Values of the parameters that `declare` has added, by name.
         self.further: dict[str, Any] = {}
@@ -241,7 +238,7 @@ class NodeParameters(Generic[Settings]):
         node.add_post_set_parameters_callback(self._store)
 
     def declare(self, node: Node, rows: Iterable[ParameterRow]) -> None:
-        """Add parameters that are known only now, such as those of joints.
+        """Declare parameters that become known later, such as those of joints.
 
         Raises ParameterError: a value given at start is of the wrong type or out of range.
         """
@@ -251,7 +248,7 @@ class NodeParameters(Generic[Settings]):
         self._warn_of_unknown(node, later=True)
 
     def _warn_of_unknown(self, node: Node, *, later: bool) -> None:
-        """Name given parameters that the node does not have, each with a hint."""
+        """Warn of given parameters that the node does not have, with a hint for each."""
         for name in getattr(node, "_parameter_overrides", {}):
             head = name.split(".")[0]
             if name in self._rows or head in _FOREIGN or (head == self._later) is not later:
@@ -294,8 +291,7 @@ class NodeParameters(Generic[Settings]):
 
 
 def _declared(node: Node, row: ParameterRow) -> Any:
-    """Declare one parameter and return its value."""
-    # A first declaration without a type shows what was given, an integer for a number included.
+    # A first declaration without a type returns the given value, even an integer for a number.
     untyped = ParameterDescriptor(dynamic_typing=True)
     default = list(row.default) if isinstance(row.default, tuple) else row.default
     value = row.checked(node.declare_parameter(row.name, default, untyped).value)

@@ -1,4 +1,4 @@
-"""Whether a node serves yet, and what it waits for: the service ``~/ready``, from the start on."""
+"""Readiness of a node: the service ``~/ready`` says what it waits for."""
 
 from typing import Any
 
@@ -8,12 +8,12 @@ from std_srvs.srv import Trigger
 
 from robomech_ros.nodes.middleware.queue_depth import serve
 
-# How often a node that waits says so in its log, s.
+# Period of the log of a waiting node, s.
 REMINDER = 10.0
 
 
 class Readiness:
-    """Answers ``~/ready``, and reminds of what is waited for in the log.
+    """Answers ``~/ready``, and repeats in the log what is missing.
 
     - ``waits_for``: what is missing, as a sentence; empty if nothing is.
     """
@@ -31,11 +31,11 @@ class Readiness:
             )
 
     def wait_for(self, what: str) -> None:
-        """Note what is missing now, as a sentence that was logged already."""
+        """Store the missing part, as a sentence that is already in the log."""
         self._waits_for = what
 
     def reached(self) -> None:
-        """Note that nothing is missing any more."""
+        """Report readiness."""
         if self._waits_for:
             self._waits_for = ""
             self._timer.cancel()

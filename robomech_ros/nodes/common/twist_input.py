@@ -18,7 +18,7 @@ _DEPTH = 10
 
 
 class TwistInput:
-    """Passes received twist commands on to what follows them.
+    """Passes received twist commands on to a follower.
 
     Stamped commands come on ``topic``, others on the topic of that name with ``_unstamped`` behind
     it.  A command without a stamp counts as new, unless the process was held up: then it counts as
@@ -27,8 +27,8 @@ class TwistInput:
     - ``topic``: topic of stamped commands.
     - ``follow``: called with ``[omega, v_x, v_y]`` (rad/s, m/s) and the age of the command (s); it
       refuses a command by a RobomechError.
-    - ``refusal``: why the last command was not followed; empty if it was.
-    - ``refused``: how many commands were not followed.
+    - ``refusal``: reason for rejecting the last command; empty if it was followed.
+    - ``refused``: number of rejected commands.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class TwistInput:
         return self._readers[0][0].topic
 
     def take(self) -> None:
-        """Return all that has come since the last look."""
+        """Process all commands since the last look."""
         now = self._clock.now()
         if self._hold_ups.look(now):
             held_up = f"held up for {self._hold_ups.age(now):.3g} s"
@@ -65,7 +65,7 @@ class TwistInput:
                 try:
                     linear, angular = twist.linear, twist.angular
                     age = self._age(stamp, now, inbox.topic)
-                    # A message with one number that is none is spoilt, whichever it is.
+                    # One number that is not finite makes the whole message invalid.
                     require_finite("linear", linear)
                     require_finite("angular", angular)
                     self._follow([angular.z, linear.x, linear.y], age)

@@ -63,7 +63,7 @@ class Progress:
 
     @property
     def expected(self) -> tuple[float, float]:
-        """How large the error should be, as the root of its mean square: rad and m."""
+        """Expected root mean square of the error: rad and m."""
         variances = np.diag(self.covariance)
         return float(np.sqrt(variances[:3].sum())), float(np.sqrt(variances[3:].sum()))
 
@@ -142,7 +142,7 @@ class CalibrationTask:
         client.call("calibration/take_sample", TakeSample.Request())
 
     def _solve(self, candidates: Array) -> Any:
-        """Have the camera found, and tell how well."""
+        """Solve for the camera pose and report the accuracy."""
         request = SolveCalibration.Request(
             candidates=PoseArray(poses=[pose_from_matrix(T) for T in candidates])
         )

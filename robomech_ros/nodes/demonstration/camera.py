@@ -21,7 +21,7 @@ CAMERA, MARKER = "camera", "marker"
 HAND_TOPIC, MARKER_TOPIC = "camera/hand", "camera/marker"
 # Between two images, s.
 _PERIOD = 0.05
-# Where the camera is on the hand, and the target where the camera stands: logarithms of poses.
+# Camera on the hand, and target for a fixed camera: logarithms of poses.
 _ON_THE_HAND = (0.08, -0.05, 1.5, 0.05, -0.03, 0.06)
 # Distance of the target, as a part of the arm's reach.
 _DISTANCE = 0.35

@@ -116,7 +116,7 @@ class DemoClient:
         return response
 
     def plan_joint(self, goal: Array | JointState, **options: Any) -> Any:
-        """Have a motion planned from where the joints are.
+        """Request a plan from the present joint positions.
 
         - ``goal``: joint positions of the goal (rad or m), shape (n,).
         - ``**options``: other fields of a PlanJoint request.

@@ -48,10 +48,7 @@ class DemoPlatform:
         return self.model.pose(q)
 
     def targets(self) -> tuple[Array, Array]:
-        """Poses (4, 4) where to pick and where to place, between which nothing is in the way.
-
-        Raises NoPostureError: no such poses were found.
-        """
+        """Find free poses (4, 4) for pick and place, or raise NoPostureError."""
         ends = self._ends()
         if not len(ends):
             raise NoPostureError(f"the platform of '{self.name}' goes nowhere")

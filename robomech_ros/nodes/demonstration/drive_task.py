@@ -23,7 +23,7 @@ from robomech_ros.nodes.mobile_base.drives import Interface
 from robomech_ros.rolling import CommandLimiter, RollingBase, RollingRobot
 from robomech_ros.typing import Array
 
-# Of the least radius that the base can turn at, and of its length: the radius of the paths.
+# Radius of the paths, in least turning radii and in lengths of the base.
 _RADIUS_FACTOR, _LENGTH_FACTOR = 1.3, 1.0
 # Parts of the limits of velocity and of the others that are used; what is too fast is slowed down.
 _VELOCITY_PART, _LIMIT_PART, _SLOWDOWN = 0.7, 0.5, 0.9
@@ -118,7 +118,7 @@ class DriveTask:
         )
 
     def wait_until_up(self) -> None:
-        """Wait for odometry and for who takes commands."""
+        """Wait for odometry and for a subscriber to commands."""
 
         def is_up() -> bool:
             known = self._odometry and self._true
@@ -190,7 +190,6 @@ class DriveTask:
         )
 
     def _answer(self, message: Odometry) -> None:
-        """Answer odometry with a command."""
         row = _row(message, message.pose.pose)
         self._rests = bool(np.abs(twist_vector(message.twist.twist)).max() < _REST_SPEED)
         follower = self._follower

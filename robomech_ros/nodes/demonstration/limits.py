@@ -9,7 +9,7 @@ from robomech_ros.robots import SerialChain, load_description, load_semantics, m
 
 @dataclass(frozen=True)
 class Which:
-    """Which robot, and what of it, moves."""
+    """Robot of a demonstration, and its moving part."""
 
     #: Name or path.
     robot: str

@@ -63,7 +63,7 @@ class RobotFiles(NamedTuple):
 
 
 def robot_with_bodies(robot: str, srdf: str, folder: Path, clearance: float) -> RobotFiles:
-    """Give a robot without collision elements drums and bars as bodies.
+    """Add drums and bars as bodies to a robot without collision elements.
 
     - ``robot``: name or path of the robot.
     - ``srdf``: path of its SRDF; may be empty.
@@ -189,10 +189,7 @@ def _is_worth_showing(
 
 
 def _tools(chain: SerialChain, home: Array) -> list[Array]:
-    """Return rotations of the tip (4, 4) in which its gripper points down.
-
-    The gripper points along the last axis, in either direction.
-    """
+    """Return rotations of the tip (4, 4) with a gripper, along the last axis, that points down."""
     T, turning = forward_kinematics(chain, home), jacobian(chain, home)[:3, -1]
     axis = T[:3, :3].T @ turning if turning.any() else np.array([0.0, 0.0, 1.0])
     flipped = np.diag([1.0, -1.0, -1.0, 1.0])

@@ -15,9 +15,9 @@ _GAIN, _REACH = 2.0, 0.5
 _SLACK, _RETURN_SPEED = 0.25, 0.3
 # After a longer silence (s) the base has braked: the place does not run ahead of it.
 _MAX_STEP = 0.1
-# What is arrived: m, and rad.
+# Tolerances of arrival: m, and rad.
 _ARRIVED, _ARRIVED_ANGLE = 1e-3, 2e-3
-# Where an axle points forward (rad).
+# Largest angle of an axle that points forward (rad).
 _STRAIGHT = 1e-9
 
 

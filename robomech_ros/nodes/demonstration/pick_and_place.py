@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from robomech_ros.nodes.demonstration.demo_platform import DemoPlatform
 
 _SERVICE = "joint_trajectory_controller/set_parameters_atomically"
-# What the demonstration calls besides, where the robot carries something.
+# Further services of the demonstration if the robot carries a load.
 CARRYING: dict[str, Any] = {_SERVICE: SetParametersAtomically}
 
 # How far a joint may be off its path, rad or m: the controller ends a motion that is farther.
@@ -37,7 +37,7 @@ TRACKED = 0.02
 _EXACT = (1e-6, 1e-4)
 _DRIVEN = (5e-3, 1e-2)
 _GRACE_SECONDS = 10.0
-# Of the samples of a self-motion so many are kept.
+# Number of kept samples of a self-motion.
 MOST_OTHERS = 16
 _PROFILES = {"RUCKIG": PlanJoint.Request.RUCKIG, "POLY345": PlanJoint.Request.POLY345}
 

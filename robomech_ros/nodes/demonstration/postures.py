@@ -13,7 +13,7 @@ _CANDIDATES = 400
 _USED_PART = 0.6
 _MOST_TURN = 1.2
 _MOST_SLIDE = 0.4
-# Where a slide has no limits, rad or m either side of 0.
+# Range of a joint without limits, rad or m either side of 0.
 _UNLIMITED = {False: np.pi, True: 0.5}
 # The two must be apart by this part of the largest distance among the candidates.
 _SEPARATION = 0.4

@@ -61,10 +61,7 @@ def demonstrate(robot: str, output: Path) -> None:
 
 
 def quickest(robot: LeggedRobot) -> Walker:
-    """Return the gait that is fastest; the trunk does not sway in it.
-
-    Raises BadValueError: no gait is for so many legs.
-    """
+    """Return the fastest gait without sway; BadValueError if none suits the number of legs."""
     own = [gait for gait in GAITS.values() if len(robot.legs) in gait.offsets]
     return Walker(robot, gait=min(own, key=lambda gait: gait.duty).name if own else None)
 

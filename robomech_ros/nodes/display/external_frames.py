@@ -81,7 +81,7 @@ class MovingFrames:
                 own[what] -= 1
             else:
                 self._received.update(dict.fromkeys(frames, self._publisher.turns))
-        # What is older will not arrive any more, even on a busy machine.
+        # Older messages no longer arrive, even on a busy machine.
         waiting = [(what, n) for what, n in own.items() if n > 0]
         self._own = Counter(dict(waiting[-_MAX_AWAITED:]))
 
@@ -107,7 +107,7 @@ class FixedFrames:
             return frozenset()
         if self._subscription is not None and not self.others.one_left:
             return frozenset(self._received)
-        # Which frames went with who left, the latched messages of those who are there will tell.
+        # The latched messages of the remaining publishers show which frames are gone.
         # The callback group of the node would keep a trace of every subscription there was.
         if self._subscription is not None:
             self._node.destroy_subscription(self._subscription)
@@ -139,7 +139,7 @@ def _children(message: Any) -> set[str]:
 
 
 class UnclaimedFrames:
-    """Lets a publisher publish exactly those frames of a robot that nobody else publishes.
+    """Restricts a publisher to the frames of a robot that no other node publishes.
 
     - ``publisher``: publisher of all frames.
     - ``robot``: name of the robot.

@@ -16,7 +16,7 @@ from robomech_ros.typing import Array
 
 # As tf2_ros has them.
 _DEPTH = 100
-# So many messages are noted for who looks less often than frames are published.
+# Number of messages kept for subscribers slower than the publication of frames.
 _SENT = 1000
 
 

@@ -1,4 +1,4 @@
-"""Which other nodes publish on a topic."""
+"""Other publishers of a topic."""
 
 from rclpy.node import Node
 
@@ -25,7 +25,7 @@ class OtherPublishers:
         self.one_left = False
 
     def look(self) -> tuple[str, ...]:
-        """Look who publishes now, and give the nodes."""
+        """Find the present publishers, and return their nodes."""
         found = self._node.get_publishers_info_by_topic(self._topic)
         present = {bytes(info.endpoint_gid) for info in found}
         self.one_left = bool(self._known - present)

@@ -166,7 +166,7 @@ class DynamicsNode(Node):
         return await self._joints.read_or_present(self._drives.linkage, state, "state", patience)
 
     async def _present(self, names: list[str]) -> JointTrajectoryPoint:
-        """Return the present positions of joints, at rest; who reads it finds unknown names."""
+        """Return the present positions of joints, at rest; the reader rejects unknown names."""
         q = await self._positions(JointState())
         known = dict(zip(self._drives.joint_names, q.tolist(), strict=True))
         return JointTrajectoryPoint(positions=[known.get(name, 0.0) for name in names])

@@ -71,7 +71,7 @@ class FrameHistory:
         del samples[:gone]
 
     def forget_oldest(self) -> None:
-        """Let the oldest sample go."""
+        """Drop the oldest sample."""
         del self._samples[0]
 
     def at(self, stamp: int) -> Sample:

@@ -82,7 +82,7 @@ class FrameListener:
             self._take(data, static=False)
 
     def _restart(self, jump: TimeJump) -> None:
-        # What waits is from before, too.
+        # Waiting messages are outdated, too.
         self._moving.take_packed()
         self.tree.forget_moving()
         self.receiving_since = math.inf

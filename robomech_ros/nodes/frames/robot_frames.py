@@ -145,7 +145,7 @@ class RobotFrames:
         return place.pose({**given, **dict(zip(missing, present, strict=True))})
 
     def is_apart(self, frame: str) -> bool:
-        """Whether a known frame does not move with the robot: no link of it carries it in tf."""
+        """Return whether a known frame is independent of the robot: no link carries it in tf."""
         link = self.model.link_of(frame)
         if not link or link in self.model.description.links:
             return False

@@ -103,7 +103,7 @@ class FrameTree:
         return ""
 
     def forget_moving(self) -> None:
-        """Let all go that does not hold for ever; to be called when time begins anew."""
+        """Drop all frames that are not static; to be called when time restarts."""
         self._histories = {child: h for child, h in self._histories.items() if h.static}
         self._count = len(self._histories)
 

@@ -75,7 +75,7 @@ class GraspingNode(Node):
         self.get_logger().info(f"ready: {name}")
 
     def stop(self) -> None:
-        """Answer those who wait for what takes long."""
+        """Answer the waiting requests."""
         refusal = OutcomeError(Code.REJECTED, f"the node {self.get_name()} shuts down")
         for worker in (self._analyses, self._forces):
             worker.give_up(refusal)

@@ -110,7 +110,7 @@ class ActionBase(ABC, Generic[Motion]):
         return CancelResponse.ACCEPT if stopped else CancelResponse.REJECT
 
     def destroy(self) -> None:
-        """Give up the action server; once is enough."""
+        """Destroy the action server, once."""
         if not self._destroyed:
             self._destroyed = True
             self._server.destroy()

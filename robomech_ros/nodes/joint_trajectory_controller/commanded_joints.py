@@ -232,7 +232,7 @@ class CommandedJoints:
             raise
 
     def _begin(self, start: Callable[[], TrajectoryGoal], by: str) -> TrajectoryGoal:
-        """Have the follower start a trajectory of a sender; the lock is held."""
+        """Start a trajectory of a sender in the follower; the lock is held."""
         return start()
 
     def _read(self, trajectory: JointTrajectory) -> Waypoints:

@@ -1,4 +1,4 @@
-"""How others command the robot: the topic joint_trajectory, the services hold and reset."""
+"""Commands for the robot: topic joint_trajectory, services hold and reset."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -36,7 +36,7 @@ class TrajectoryTopic:
     def __init__(self, node: Node, joints: CommandedJoints, on_refused: Callable[[], None]) -> None:
         self._log = ThrottledLog(node.get_logger())
         self._joints, self._on_refused = joints, on_refused
-        # Where the last message of the topic ended, and when it came (s).
+        # End of the topic's last message, and its arrival (s).
         self._end: tuple[tuple[str, ...], tuple[float, ...]] | None = None
         self._received_at = -math.inf
         subscribe_reliably(node, JointTrajectory, f"{joints.place}/{_TOPIC}", self._execute, _DEPTH)
@@ -54,7 +54,7 @@ class TrajectoryTopic:
             self._on_refused()
 
     def _is_replaced(self, trajectory: JointTrajectory) -> bool:
-        """Whether it is the rest of a stream that a goal of an action has replaced already.
+        """Return whether it belongs to a stream that an action goal has already replaced.
 
         That comes soon after the message before it, and ends where that one ended.
         """

@@ -70,7 +70,7 @@ class ControlCycle:
             prefix=model.frame_prefix,
             frames=settings.publish_frames,
             rate=min(settings.frame_rate, settings.publish_rate),
-            # What came from the topic is there already.
+            # Messages of the topic have been taken already.
             describe=settings.publish_description and bool(settings.robot_description),
             semantic=model.semantic.document if given and settings.publish_description else "",
         )

@@ -44,7 +44,7 @@ class Cycles:
             self._thread.start()
 
     def stop(self) -> None:
-        """Let the present cycle be the last one; to be called before the node is destroyed."""
+        """End after the present cycle; to be called before the node is destroyed."""
         self._over.set()
         if self._thread not in (None, threading.current_thread()):
             assert self._thread is not None

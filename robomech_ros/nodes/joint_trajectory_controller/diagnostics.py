@@ -1,4 +1,4 @@
-"""How the simulated robot is, for the diagnostics."""
+"""State of the simulated robot, for the diagnostics."""
 
 from robomech_ros.execution.controller.follower import Phase
 from robomech_ros.nodes.common.messages.rejection_status import refusal_values

@@ -18,9 +18,9 @@ from robomech_ros.typing import Array, BoolArray
 # Longest period of the controller of the drives, and periods that are simulated in one go.
 _PERIOD = 1e-3
 _AT_ONCE = 10
-# Of a longer time, in which the process did not run, the end is simulated, s.
+# Longest simulated part of a stall of the process, its end, s.
 _LONGEST = 10.0
-# What quotients of times may be off.
+# Rounding of quotients of times.
 _ROUNDING = 1e-6
 
 
@@ -55,18 +55,18 @@ class DynamicPlant:
         self.put(start)
 
     def carry(self, settings: ControllerSettings) -> None:
-        """Have the robot carry the payload of these settings from now on."""
+        """Set the payload from these settings."""
         if _load(settings) != _load(self._settings):
             self._plant, self._servo = self._servo_with(settings)
         self._settings = settings
 
     def assume(self, posture: Array) -> None:
-        """Have all joints (n,) stand somewhere (rad or m), which tells the assembly mode."""
+        """Place all joints (n,) at rest (rad or m), which sets the assembly mode."""
         self._q = np.array(posture, dtype=np.float64)
         self._rates, self._observed = np.zeros((2, len(self._at)))
 
     def put(self, position: Array) -> DrivenMotion:
-        """Have the drives (m,) stand somewhere (rad or m), held against gravity.
+        """Place the drives (m,) at rest (rad or m), held against gravity.
 
         Raises OutcomeError: the assembly mode of a parallel robot ends before; they stand where
         they were.
@@ -82,7 +82,7 @@ class DynamicPlant:
     def drive(
         self, before: State, command: State, span: float, held: BoolArray | None
     ) -> DrivenMotion:
-        """Let time pass; see :class:`Plant`."""
+        """Advance the time; see :class:`Plant`."""
         started = self._rates.copy()
         simulated = min(span, _LONGEST)
         periods = max(math.ceil(simulated / _PERIOD - _ROUNDING), 1)

@@ -51,10 +51,7 @@ class ExecuteMessages:
     def tolerances(
         self, message: Any, default: Tolerances, joint_names: Sequence[str]
     ) -> tuple[Tolerances, str]:
-        """Read the tolerances of a goal, and say what of them does not hold: nothing.
-
-        Those that do not make sense are refused.
-        """
+        """Read the tolerances of a goal, with no remark; invalid tolerances are rejected."""
         names = message.trajectory.joint_names
         order = joint_order(names, [*joint_names, *self._others], partial=True)[: len(joint_names)]
         path, at_goal, velocity = (

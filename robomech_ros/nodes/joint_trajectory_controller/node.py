@@ -83,7 +83,7 @@ class Shutdown:
         self._node.destroy_timer(deadline)
 
     def look(self) -> None:
-        """Let `stand` go on as soon as the robot stands; the joints' lock is to be held."""
+        """Resume `stand` once the robot stands still; the joints' lock must be held."""
         standing = all(joints.follower.phase is Phase.HOLDING for joints in self._commanded)
         if self._standing is not None and standing and not self._standing.done():
             self._standing.set_result(None)
@@ -234,7 +234,7 @@ def _robot(model: RobotModel, settings: ControllerSettings, clock: MotionClock) 
         return FloatingArm(floating.carrying(model.chain), settings, clock)
     if model.mechanism is None:
         return serial_robot(model.chain, settings, clock)
-    # What is compiled for loops is loaded only where there are some.
+    # Compiled code for loops is loaded only if there are some.
     from robomech_ros.nodes.joint_trajectory_controller.parallel_robot import ParallelRobot
 
     return ParallelRobot(model.mechanism, settings, clock)

@@ -72,7 +72,7 @@ class SimulatedRobot(CommandedJoints):
 
     @property
     def dynamic(self) -> bool:
-        """Whether forces move it."""
+        """True if forces move it."""
         return self._plant is not None
 
     def unlimited_joints(self) -> list[str]:
@@ -83,7 +83,7 @@ class SimulatedRobot(CommandedJoints):
         return [self.joint_names[int(joint)] for joint in unlimited]
 
     def carry(self, settings: ControllerSettings) -> None:
-        """Have it carry the payload of these settings from now on."""
+        """Set the payload from these settings."""
         if self._plant is not None:
             self._plant.carry(settings)
 

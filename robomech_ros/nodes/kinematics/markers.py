@@ -24,7 +24,7 @@ _Colour = tuple[float, float, float, float]
 
 # Half axis of the longest direction of an ellipsoid, and length of an arrow (m).
 _LONGEST, _ARROW = 0.15, 0.25
-# Thickness that an ellipsoid has at least, of its longest axis: a flat one could not be seen.
+# Least thickness of an ellipsoid over its longest axis: a flat one would be invisible.
 _FLAT = 0.01
 _WIDTH = 0.004
 _VELOCITY, _FORCE = (0.1, 0.5, 0.9, 0.45), (0.9, 0.5, 0.1, 0.45)

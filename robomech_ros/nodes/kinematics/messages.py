@@ -59,14 +59,14 @@ def inverse_options(request: Any) -> dict[str, Any]:
 
 
 def wants_first(mode: int) -> bool:
-    """Whether a mode of SolveIK asks for one attempt from the seed."""
+    """Return whether a mode of SolveIK asks for one attempt from the seed."""
     if mode > _FIRST:
         raise BadValueError("mode", mode, "ALL (0), NEAREST (1) or FIRST (2)")
     return mode == _FIRST
 
 
 def is_nearest(mode: int) -> bool:
-    """Whether a mode asks for the nearest solution only."""
+    """Return whether a mode asks for the nearest solution only."""
     if mode > _NEAREST:
         raise BadValueError("mode", mode, "ALL (0) or NEAREST (1)")
     return mode == _NEAREST

@@ -68,7 +68,7 @@ class KinematicsNode(Node):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("kinematics", **options)
-        # What is found once for a robot takes seconds.
+        # Facts that are computed once for a robot take seconds.
         self._worker = Worker(self)
         self._table = NodeParameters(self, KinematicsSettings)
         self._monitor = JointStateMonitor(self)
@@ -224,7 +224,7 @@ class KinematicsNode(Node):
 
     async def _show_first_boundary(self) -> None:
         """Find and show the boundary when the first subscriber of the markers comes."""
-        with suppress(RobomechError):  # who asks for it by a request gets the error
+        with suppress(RobomechError):  # a request for it gets the error
             await self._show_boundary(None)
 
     async def _show_boundary(self, T: Array | None) -> None:

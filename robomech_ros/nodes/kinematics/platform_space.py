@@ -31,10 +31,7 @@ _ROUGH = 0.04
 
 
 class PlatformSpace:
-    """Finds the boundary of a platform's positions, once for each orientation.
-
-    To be used from one thread at a time.
-    """
+    """Cache of boundaries of a platform's positions by orientation, for one thread at a time."""
 
     def __init__(self, robot: ParallelRobot | Mechanism) -> None:
         self._robot: Any = robot

@@ -31,10 +31,7 @@ _PORTION, _PORTION_SEARCHED = 32, 1
 
 
 class BatchLists:
-    """The lists of a SolveIKBatch response, filled portion by portion.
-
-    They are what rclpy takes without looking at each entry.
-    """
+    """Lists of a SolveIKBatch response, in types that rclpy takes without checks of entries."""
 
     def __init__(self, robot: Manipulator) -> None:
         self._robot = robot
@@ -93,7 +90,7 @@ def _next_size(size: int, seconds: float) -> int:
 
 
 class WorkspaceQuery:
-    """Which of many poses can be reached, filled portion by portion.
+    """Reachability of many poses, filled portion by portion.
 
     - ``robot``: after ``Manipulator.prepare``.
     - ``T``: in the base (m), shape (m, 4, 4).

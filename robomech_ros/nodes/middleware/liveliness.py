@@ -63,7 +63,7 @@ class LivelinessMonitor:
 
     @property
     def ended(self) -> bool:
-        """Whether a server was there, and has gone or shows no sign of life any more."""
+        """True if a server was there, and has gone or shows no sign of life any more."""
         return bool(self._lives) and not self._living()
 
     @property
@@ -116,7 +116,7 @@ class LivelinessMonitor:
         """Return the participants of those servers that are there and live."""
         there = self._servers()
         living = {each for each in there if self._lives.get(each, True)}
-        # Where somebody else came back than was thought, those that are left may be it.
+        # If another server than expected came back, the remaining ones may be it.
         return living or set(there if self._gained else ())
 
     def _servers(self) -> list[bytes]:
@@ -125,7 +125,7 @@ class LivelinessMonitor:
         return _participants(self._node.get_publishers_info_by_topic(topic))
 
     def _in_this_process(self) -> bool:
-        """Whether a server belongs to our own participant, of which no signs of life come."""
+        """Tell whether a server belongs to our own participant, of which no signs of life come."""
         node, topic = self._node, self._subscription.topic_name
         own = _participants(
             info

@@ -43,10 +43,7 @@ class UnreadableMessageError(RobomechError):
 
 
 def unpack(data: bytes, kind: type) -> Any:
-    """Return the message of a type in the bytes of a raw subscription.
-
-    Raises UnreadableMessageError: the bytes are no such message.
-    """
+    """Read a message from raw bytes; UnreadableMessageError if it has another type."""
     try:
         return deserialize_message(data, kind)
     except Exception as error:  # which one depends on the middleware
@@ -79,7 +76,7 @@ class Inbox:
         self._subscription = node.create_subscription(kind, topic, self._receive, newest, **options)
 
     def attend(self, attended: bool) -> None:
-        """Have the executor look after it, or not."""
+        """Switch its service by the executor on or off."""
         self._group.attended = attended
 
     def _receive(self, data: bytes) -> None:

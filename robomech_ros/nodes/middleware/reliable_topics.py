@@ -20,7 +20,7 @@ def node_of(endpoint: TopicEndpointInfo) -> str:
 def subscribe_reliably(
     node: Node, kind: Any, topic: str, callback: Callable[..., None], qos: QoSProfile | int
 ) -> Subscription:
-    """Subscribe to messages that must not be lost; log who publishes them best effort.
+    """Subscribe to messages that must not be lost; log best-effort publishers.
 
     - ``callback``: takes the messages.
     - ``qos``: reliable; a depth alone is that.

@@ -52,7 +52,7 @@ _HARMLESS = {
 
 
 def changes_nothing(kind: Any) -> bool:
-    """Whether services of a type, such as ``SolveIK``, only answer."""
+    """Return whether services of a type, such as ``SolveIK``, only answer."""
     package = kind.__module__.partition(".")[0]
     return kind.__name__ in _HARMLESS.get(package, ())
 

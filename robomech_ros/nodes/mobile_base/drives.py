@@ -20,7 +20,7 @@ from robomech_ros.rolling import (
     rolling_robot,
 )
 
-# What stands for no limit of steering: with a right angle a car would turn on the spot.
+# Default limit of steering: at a right angle a car would turn on the spot.
 _STEERING = 1.57
 
 
@@ -60,10 +60,7 @@ INTERFACES = {
 
 
 def chosen_robot(settings: MobileBaseSettings) -> tuple[RollingRobot, WheelJoints]:
-    """Load or make the robot that the parameters say, with its limits.
-
-    Raises RobomechError: the parameters name no robot, or an impossible one.
-    """
+    """Make the robot of the parameters with its limits; RobomechError if it is impossible."""
     if settings.robot_description:
         robot = rolling_robot(settings.robot_description)
         if settings.drive not in ("", robot.drive):

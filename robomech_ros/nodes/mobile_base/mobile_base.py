@@ -16,7 +16,7 @@ from robomech_ros.typing import Array
 
 @dataclass(frozen=True, kw_only=True)
 class BaseOptions:
-    """How a base follows commands and tells where it is."""
+    """Settings of a base: how it follows commands and reports its pose."""
 
     period: float  #: Period of updates (s).
     timeout: float  #: How long a command counts (s); for 0 see `Interface.at_zero`.
@@ -108,7 +108,7 @@ class MobileBase:
         self.odometry = replace(self.odometry, pose=begun.pose, covariance=begun.covariance)
 
     def _counts(self) -> bool:
-        """Whether there is a command that still counts."""
+        """Return whether there is a command that still counts."""
         timeout = self.options.timeout
         if self._since == -math.inf:
             return False

@@ -86,7 +86,6 @@ class MobileBaseNode(Node):
         self.create_timer(self._period, self._cycle, clock=self._motion_clock.clock)
 
     def _cycle(self) -> None:
-        """Make all updates that are due."""
         if not self._motion_clock.runs:
             return
         self._intake.take()

@@ -10,11 +10,11 @@ from robomech_ros.nodes.display.robot_display import ALWAYS, AUTO, NEVER
 KINEMATIC, DYNAMIC = "kinematic", "dynamic"
 _DRIVES = ("", "diff", "omni", "mecanum", "bicycle", "tricycle", "ackermann", "swerve")
 _OFF = math.nan
-# Of each axis: the limits whose sign is negative, as in ros2_controllers.
+# For each axis: the limits with negative sign, as in ros2_controllers.
 _NEGATIVE = ("min_velocity", "max_deceleration", "max_acceleration_reverse", "min_jerk")
 _POSITIVE = ("max_velocity", "max_acceleration", "max_deceleration_reverse", "max_jerk")
 _AXES = ("linear__x", "linear__y", "angular__z")
-# Of the steering controllers of Humble, whose driven wheels are those that are not steered.
+# Names of Humble's steering controllers, whose driven wheels are not steered.
 _DRIVEN, _STEERED = "'traction_joints_names'", "'steering_joints_names'"
 FORMER_NAMES = {
     "rear_wheels_names": f"{_DRIVEN}, or {_STEERED} where the rear wheels are steered",

@@ -28,7 +28,7 @@ from robomech_ros.outcomes import Code
 
 _CONTROL_FAILED = MoveItErrorCodes.CONTROL_FAILED
 _INVALIDATED = MoveItErrorCodes.MOTION_PLAN_INVALIDATED_BY_ENVIRONMENT_CHANGE
-# Codes of the controller that mean more to MoveIt than that control failed.
+# Codes of the controller with a MoveIt code of their own, instead of CONTROL_FAILED.
 _CODES: dict[int, int] = {
     Code.NONE: MoveItErrorCodes.SUCCESS,
     Code.PREEMPTED: MoveItErrorCodes.PREEMPTED,

@@ -49,7 +49,7 @@ class MotionServices:
         ]
 
     def destroy(self) -> None:
-        """Give up the actions, once."""
+        """Destroy the actions, once."""
         while self._actions:
             self._actions.pop().destroy()
 

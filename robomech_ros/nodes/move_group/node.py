@@ -69,7 +69,7 @@ class MoveGroupNode(Node):
         when_robot_known(self, settings, self._serve, **robot_limits(self, settings))
 
     def stop(self) -> None:
-        """Answer all who wait for a plan."""
+        """Answer all requests that wait for a plan."""
         text = "the node move_group shuts down"
         self._worker.give_up(OutcomeError(Code.REJECTED, text))
         if self._planning is not None:
@@ -83,7 +83,7 @@ class MoveGroupNode(Node):
         super().destroy_node()
 
     def _serve(self, model: RobotModel) -> None:
-        # What needs messages of MoveIt, or the libraries of collisions.
+        # Parts that need messages of MoveIt, or the libraries of collisions.
         from robomech_ros.collision.libraries import ompl
         from robomech_ros.nodes.move_group.execution import Execution
         from robomech_ros.nodes.move_group.motion_services import MotionServices
@@ -121,7 +121,7 @@ class MoveGroupNode(Node):
         self._settling = self.create_timer(_SETTLED, self._settle, clock=steady)
 
     def _settle(self) -> None:
-        """Give back what the first requests needed only to begin."""
+        """Release memory that only the first requests needed."""
         self._settling.cancel()
         self._worker.begin(settle_pages)
 

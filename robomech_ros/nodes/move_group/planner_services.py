@@ -16,7 +16,7 @@ from robomech_ros.nodes.move_group.settings import MoveGroupSettings
 from robomech_ros.nodes.moveit.motion_request import PIPELINE
 from robomech_ros.robots.documents.numbers_in_text import integer, number
 
-# Parameters of the node that are the planner's, for every group, and what reads their values.
+# Planner parameters of the node, for every group, and the readers of their values.
 _PARAMETERS: dict[str, Callable[[str], Any]] = {
     "planner": str,
     "planning_time": number,

@@ -152,16 +152,13 @@ def _planned(
 
 
 def _at_limits(chain: SerialChain, q: Array, most: float) -> Array:
-    """Return the posture (n,) of a robot that stands a little beyond its limits, inside them."""
+    """Clip the posture (n,) of a robot that stands slightly beyond its limits."""
     inside = np.clip(q, chain.lower, chain.upper)
     return inside if np.max(np.abs(inside - q), initial=0.0) <= most else q
 
 
 def _postures(question: MotionRequest, start: Array) -> Array:
-    """Find all postures (k, n) that reach one of the goals (rad or m).
-
-    Raises RejectedError: no posture reaches any goal.
-    """
+    """Find all postures (k, n) that reach one of the goals, or raise RejectedError."""
     rows, reasons, codes = [], [], []
     for i, goal in enumerate(question.goals):
         what = f"goal_constraints[{i}]: " if len(question.goals) > 1 else ""
@@ -243,7 +240,7 @@ def _message(question: MotionRequest, timed: Waypoints, settings: MoveGroupSetti
 
 
 def _slower(question: MotionRequest, times: Array, q: Array) -> float:
-    """Return by which factor a motion q (m, n) must take longer for the link to keep its speed."""
+    """Return the time factor of a motion q (m, n) for the link to keep its speed limit."""
     if math.isinf(question.speed) or times[-1] == 0.0:
         return 1.0
     names = question.chain.joint_names

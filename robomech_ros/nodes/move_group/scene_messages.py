@@ -20,10 +20,7 @@ from robomech_ros.nodes.move_group.world import World
 
 
 def refuse_unserved(scene: Any) -> None:
-    """Refuse parts of a scene that this node cannot take.
-
-    Raises BadValueError: the scene has an octomap, or padding or scale of a link.
-    """
+    """Raise BadValueError for an octomap, or padding or scale of a link in a scene."""
     if size := len(scene.world.octomap.octomap.data):
         raise BadValueError("world.octomap", f"{size} bytes", "none: octomaps are not supported")
     for padding in scene.link_padding:

@@ -30,7 +30,7 @@ from robomech_ros.nodes.moveit.whole_robot import WholeRobot
 _MONITORED = "monitored_planning_scene"
 # Changes within this time (s) are published together.
 _TOGETHER = 0.02
-# How often a moving robot is published (s), from which move on (rad or m).
+# Period of publication of a moving robot (s), and the least published move (rad or m).
 _STATE_PERIOD, _MOVED = 0.1, 1e-4
 
 
@@ -45,7 +45,7 @@ class SceneServices:
     ) -> None:
         self._robot, self._scenes, self._patience = robot, scenes, settings.state_timeout
         self._log = ThrottledLog(node.get_logger())
-        # Changes are made in the order in which they come, even if one waits for a frame.
+        # Changes are made in the order of arrival, even if one waits for a frame.
         order = MutuallyExclusiveCallbackGroup()
         serve(node, ApplyPlanningScene, "apply_planning_scene", self._apply, callback_group=order)
         others = ReentrantCallbackGroup()
@@ -57,7 +57,7 @@ class SceneServices:
         ):
             create_drained_subscription(node, kind, topic, take, DEPTH, callback_group=order)
         self._publisher = node.create_publisher(PlanningScene, _MONITORED, LATCHED)
-        # States would take the latched scene's place; who wants that does not get them.
+        # States would replace the latched scene, so subscribers of it do not get them.
         silent = PublisherEventCallbacks(use_default_callbacks=False)
         self._states = node.create_publisher(PlanningScene, _MONITORED, 10, event_callbacks=silent)
         self._published: list[float] = []
@@ -142,7 +142,7 @@ class SceneServices:
         self._publisher.publish(self._message())
 
     def _publish_state(self) -> None:
-        """Publish where the robot is, if it has moved and somebody listens."""
+        """Publish the robot's state if it has moved and there is a subscriber."""
         if not self._states.get_subscription_count():
             return
         known = self._robot.known()

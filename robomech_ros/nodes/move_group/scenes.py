@@ -1,4 +1,4 @@
-"""The planning scene in the form that distances are computed from."""
+"""The planning scene in the form for distance computations."""
 
 from functools import partial
 from itertools import combinations
@@ -49,7 +49,7 @@ class Scenes:
         return follower.at(self.world, positions)
 
     def at_once(self, chain: SerialChain, positions: Positions) -> PlanningScene:
-        """Return the same, but block until it is made.
+        """Return the same scene, but block until it is made.
 
         After a change of the SRDF the earlier scene serves until the worker has made a new one.
         """
@@ -144,9 +144,9 @@ class _Follower:
         self._scene.set_other_joints(self._others)
 
     def _followed(self, world: World) -> PlanningScene:
-        """Return the scene with what has changed since the last world."""
+        """Return the scene with the changes since the last world."""
         if (world.allowed, world.defaults) != (self._world.allowed, self._world.defaults):
-            # What was decided before is not taken back pair by pair.
+            # Earlier decisions are not withdrawn pair by pair.
             self._start_anew()
         scene, before = self._scene.copy(), self._world
         for name, one in before.objects.items():

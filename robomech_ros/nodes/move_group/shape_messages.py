@@ -16,7 +16,7 @@ from robomech_ros.typing import Array
 # Shape of the library, and its pose (4, 4) in the object (m).
 PlacedShape = tuple[Any, Array]
 
-# What makes the shape of a primitive, from how many sizes.
+# Constructor of each primitive, and its number of sizes.
 _PRIMITIVES: dict[int, tuple[Callable[..., Any], int]] = {
     SolidPrimitive.BOX: (Box, 3),
     SolidPrimitive.SPHERE: (Sphere, 1),
@@ -45,7 +45,7 @@ def shapes_of(message: Any) -> list[PlacedShape]:
 
 
 def has_shapes(message: Any) -> bool:
-    """Whether a CollisionObject has a shape."""
+    """Return whether a CollisionObject has a shape."""
     return any(getattr(message, kind) for kind, _, _ in KINDS)
 
 
@@ -87,7 +87,7 @@ def _plane(plane: Any, what: str) -> Any:
     return Plane(np.array(normal), -constant)
 
 
-# Field of shapes, field of their poses, and what reads such a shape.
+# Field of shapes, field of their poses, and reader of such a shape.
 KINDS = (
     ("primitives", "primitive_poses", _primitive),
     ("meshes", "mesh_poses", _mesh),

@@ -22,10 +22,7 @@ _KINDS = ("joint_constraints", "position_constraints", "orientation_constraints"
 
 
 class ValidityService:
-    """The service check_state_validity.
-
-    Its answer has no text: what is wrong with a request is in the log, and the state is not valid.
-    """
+    """The service check_state_validity, whose errors are in the log: its answer has no text."""
 
     def __init__(
         self,

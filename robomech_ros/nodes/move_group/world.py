@@ -168,7 +168,7 @@ class World:
         self.objects[name] = replace(attached, touch_links=touching, weight=weight)
 
     def allow(self, matrix: Any, ignored: Container[frozenset[str]]) -> None:
-        """Take from an AllowedCollisionMatrix what differs from the scene as it is.
+        """Apply the entries of an AllowedCollisionMatrix that differ from the present scene.
 
         A client sends back the whole matrix that it has read. Entries that only repeat the scene
         decide nothing: a pair that cannot touch now may be able to later.
@@ -194,7 +194,7 @@ class World:
         self.defaults |= dict(zip(defaults, map(bool, values), strict=True))
 
     def may_touch(self, one: str, other: str, otherwise: bool) -> bool:
-        """Whether two bodies may touch; `otherwise` is the answer if no client has decided it."""
+        """Return whether two bodies may touch; `otherwise` if no client has decided it."""
         decided = self.allowed.get(frozenset((one, other)))
         if decided is not None:
             return decided

@@ -150,7 +150,7 @@ def _shape(what: str, shape: Any, pose: Any) -> tuple[int, list[float], Array]:
 
 
 def _inside(kind: int, sizes: list[float], to_shape: Array, point: Array) -> bool:
-    """Whether a point, homogeneous, shape (4,) (m), is inside a primitive."""
+    """Return whether a point, homogeneous, shape (4,) (m), is inside a primitive."""
     own = to_shape @ point
     if kind == SolidPrimitive.SPHERE:
         return bool(np.linalg.norm(own[:3]) <= sizes[0] + _ROUNDING)

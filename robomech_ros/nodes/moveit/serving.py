@@ -21,7 +21,7 @@ from robomech_ros.robots import SerialChain
 
 
 class Collisions(Protocol):
-    """What answers ask about collisions."""
+    """Collision checks that answers need."""
 
     async def of(self, chain: SerialChain, positions: Mapping[str, float]) -> PlanningScene:
         """Return the scene of a chain, the other joints of the robot at positions (rad or m)."""
@@ -103,7 +103,7 @@ class Outcomes:
 
 
 def answering(node: Node, callback: _Callback) -> _Callback:
-    """Let a callback answer whatever happens; the node goes on serving.
+    """Guard a callback so that it always answers; the node goes on serving.
 
     The callback fills the response and returns one of MoveItErrorCodes and a text.
     """

@@ -10,12 +10,12 @@ _WHO = {
     "SUBNET": "every machine of the subnet",
     "LOCALHOST": "this machine",
     "OFF": "nobody: no discovery",
-    "SYSTEM_DEFAULT": "whoever the middleware's own configuration lets in",
+    "SYSTEM_DEFAULT": "as configured in the middleware",
 }
 
 
 def stay_on_this_machine() -> None:
-    """Let nodes that start from now on, and in processes of this one, discover no other machine."""
+    """Restrict discovery to this machine for nodes that start later, and in child processes."""
     os.environ[_RANGE] = "LOCALHOST"
     # It was there before, and goes before the range while it is set.
     os.environ.pop("ROS_LOCALHOST_ONLY", None)

@@ -19,9 +19,9 @@ from robomech_ros.robots import robot_folders
 # Options choose these nodes; a robot runs on when one of them ends.
 OPTIONAL_NODES = ("servo", "calibration", "rvs", "move_group")
 
-# What the words that give a parameter begin with.
+# Options that precede a parameter.
 _PARAMETER = ("-p", "--param")
-# Of arms and parallel robots.
+# Simulator of arms and parallel robots.
 _SIMULATOR = "joint_trajectory_controller"
 
 
@@ -123,10 +123,7 @@ class LaunchOptions:
         return [*result, *self._addressed()]
 
     def _shipped(self) -> dict[str, list[str]]:
-        """Give each node the ROS arguments for the files that the package ships for it.
-
-        They come first, so that all else replaces what is in them.
-        """
+        """Put first the ROS arguments for each node's parameter files, for all else to override."""
         own = KIND_NODES.get(self.kind)
         variant = own.variant(self._robot()) if own and own.variant and self.robot else ""
         return {
@@ -206,7 +203,6 @@ def _document(tree: Mapping[str, Any] | str) -> yaml.Node:
 
 
 def _parameter_names(node: str) -> set[str]:
-    """Name the parameters in the table of a node."""
     from robomech_ros.nodes.common.parameters import table_rows
 
     settings = NODE_MODULES[node].rpartition(".")[0] + ".settings"

@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 
 # Largest size of a process's data, bytes; all nodes in one process have 1 GB.
 LARGEST_DATA = 3_000_000_000
-# What NumPy and SciPy reserve for each processor without using it, bytes.
+# Memory reserved by NumPy and SciPy for each processor without use, bytes.
 _EACH_PROCESSOR = 90_000_000
 # The most heaps of all threads, and the sizes (bytes) from which on a block has no place in a heap,
 # and the free end of a heap goes back to the system.
@@ -22,7 +22,7 @@ PERIOD = 15.0
 
 
 def bound_memory(largest: int = LARGEST_DATA) -> None:
-    """Let the system refuse more memory to this process; a lower bound of the user's stays.
+    """Limit the memory of this process, unless the user has set a lower limit.
 
     Fast CDR believes the length of a list in a request or an answer: a few corrupt bytes announce
     93 million poses, for which a node took all memory of the machine, silent for minutes.  Such a
@@ -39,7 +39,7 @@ def bound_memory(largest: int = LARGEST_DATA) -> None:
 
 
 def bound_heaps() -> None:
-    """Let all threads of this process share two heaps, and keep large blocks out of them.
+    """Share two heaps among all threads of this process, without large blocks.
 
     The GNU C library gives each thread of the middleware a heap of its own.  Messages of long
     trajectories, made by one thread and freed by another, leave holes in all of them: 50 MB in

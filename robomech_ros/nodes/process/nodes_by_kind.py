@@ -31,7 +31,7 @@ class NodesOfKind:
     demonstration: str = ""
 
 
-# What only arms have.
+# Options for arms only.
 _OF_ARMS = (
     *("joint_limits", "srdf", "group", "base_link", "tip_link", "calibration", "auto_execute"),
     "move_group",
@@ -70,7 +70,7 @@ KIND_NODES = {
     ),
 }
 
-# What of the options of bringup parallel robots and each of these kinds have no use for.
+# Options of bringup that parallel robots and each of these kinds reject.
 REFUSED = {
     "parallel robots": ("joint_limits", "srdf", "group", "move_group"),
     **{f"{one.kind_name}s": one.refused for one in KIND_NODES.values()},

@@ -1,4 +1,4 @@
-"""How every node of this package starts, spins, holds and ends.
+"""Start, spinning, hold and end of every node of this package.
 
 Exit codes: 0 after SIGINT or SIGTERM, 2 when the node cannot start (with one line on stderr that
 says why), 1 after an unexpected failure (with its traceback).  A node that is done but held by its
@@ -75,7 +75,7 @@ class Spinner:
         self._thread.start()
 
     def stop(self) -> None:
-        """Let every node stop, deliver what it has to say, and end the thread."""
+        """Stop every node, deliver its last messages, and end the thread."""
         if self._thread.is_alive():
             # A task also wakes the executor, which returns only when it had work to do.
             self._executor.create_task(self._stop_nodes)
@@ -104,7 +104,7 @@ class Spinner:
             self._on_end()
 
     def _deliver(self) -> None:
-        """Give what stop() set off, such as the results of goals, the time to be sent."""
+        """Wait until the results that stop() caused have been sent."""
         if not any(hasattr(node, "stop") for node in self._nodes):
             return
         deadline = time.monotonic() + _DELIVERY_SECONDS
@@ -175,7 +175,7 @@ def run_nodes(factories: Sequence[Callable[[], Node]], args: Sequence[str] | Non
     watch_for_simulated_time(nodes)
     settle_pages()
     give_back_regularly()
-    # What there is by now stays: to look through it for garbage is a pause for nothing.
+    # Present objects stay, so garbage collection of them would only cause pauses.
     gc.freeze()
     spinner = Spinner(nodes)
     spinner.start(on_end=lambda: signals.put(None))
@@ -214,7 +214,7 @@ def watch_for_duplicate_nodes(nodes: Sequence[Node]) -> None:
 
 def _start_failed(program: str, error: Exception) -> int:
     """Say why the nodes cannot start; returns the exit code."""
-    # What rclpy says of arguments, names and remappings that it cannot use is meant for users.
+    # Errors of rclpy about arguments, names and remappings are for users.
     expected = isinstance(error, RobomechError | OSError)
     if expected or type(error).__module__.split(".")[0] in ("rclpy", "_rclpy_pybind11"):
         return _refuse(program, str(error))
@@ -256,7 +256,6 @@ def _ended_by_alarm(seconds: float) -> Iterator[None]:
 
 
 def _help(program: str, factory: Callable[[], Node]) -> str:
-    """Describe a node and its parameters."""
     lines = [
         f"usage: {program} [--ros-args [-p NAME:=VALUE] [-r FROM:=TO] [--params-file FILE] ...]",
         "",

@@ -62,7 +62,7 @@ class GripperClient:
             soon(self._node, handle.cancel_goal_async)
 
     def _send(self, number: int, value: float) -> None:
-        # Of several values that wait, the latest counts.
+        # The latest of several waiting values counts.
         if number != self._number:
             return
         assert self.gripper is not None
@@ -102,6 +102,6 @@ class GripperClient:
 
 
 def soon(node: Node, what: Callable[[], object]) -> None:
-    """Have something done on the thread that serves a node."""
+    """Run a function on the thread that serves a node."""
     if node.executor is not None:
         node.executor.create_task(what)

@@ -43,7 +43,7 @@ class JogThread(ABC, Generic[Command]):
         """Say why that cannot be followed now; empty for nothing."""
 
     def press(self, what: Command, beat: HoldHeartbeat) -> None:
-        """Go on with a press, or begin one."""
+        """Continue a press, or begin one."""
         self._switch.hold(what, beat.press, beat.age)
 
     def let_go(self) -> None:
@@ -52,7 +52,7 @@ class JogThread(ABC, Generic[Command]):
 
     @property
     def held(self) -> bool:
-        """Whether a button is held."""
+        """True if a button is held."""
         return self._switch.held() is not None
 
     def close(self) -> None:
@@ -100,7 +100,7 @@ class JoggedRobot:
 
     @property
     def jogs(self) -> bool:
-        """Whether a jog button is held."""
+        """True if a jog button is held."""
         return self._jogger.held
 
     def let_go(self) -> None:

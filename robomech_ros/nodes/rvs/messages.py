@@ -21,7 +21,7 @@ from robomech_ros.rvs.model.running.jog import JogDirection
 from robomech_ros.rvs.model.running.live_robot import ServoState, ViewMarker
 from robomech_ros.typing import Array
 
-# Of one plan, and of one marker; more would hold the page up.
+# Most points of a plan, and of a marker; more would delay the page.
 _MOST_POINTS = 100_000
 _LONGEST = 1e6
 # Coordinates and sizes of markers (m), which browsers draw in single precision.
@@ -35,9 +35,9 @@ _KINDS = {
     Marker.LINE_LIST: "lines",
     Marker.TEXT_VIEW_FACING: "text",
 }
-# Of a marker's text; more would cover the page.
+# Longest text of a marker; more would cover the page.
 _LONGEST_TEXT = 200
-# What is so whenever nobody commands limits nothing.
+# States without a command are no limits.
 _SILENT = (ServoStatus.NO_WARNING, ServoStatus.STALE_COMMAND)
 
 

@@ -1,4 +1,4 @@
-"""Has motions planned, executed and stopped, as any client would."""
+"""Requests of planning, execution and stops, as by any client."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from robomech_ros.rvs.layers.live import LiveLayer
 
 _AUTOMATIC = "auto_execute"
-# How long answers may take (s): about parameters, of the planner, and of who executes a motion.
+# Longest time for answers (s): about parameters, of the planner, and of the executing node.
 _PARAMETER_TIMEOUT, _PLANNING_TIMEOUT, _MOTION_TIMEOUT = 5.0, 120.0, float("inf")
 
 
@@ -108,7 +108,7 @@ class Motions:
             self._stopping.stop()
 
     def let_plans_wait(self, waiting: bool) -> None:
-        """Have plans executed on request only, or each as it is made."""
+        """Set whether plans are executed on request only, or at once."""
         value = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=not waiting)
         request = SetParameters.Request(parameters=[Parameter(name=_AUTOMATIC, value=value)])
 
@@ -125,7 +125,7 @@ class Motions:
             self._call(self._begin("Setting ..."), self._writer, request, done, _PARAMETER_TIMEOUT)
 
     def look(self) -> None:
-        """Look whether plans wait, and whether who is to answer is still there."""
+        """Check for waiting plans, and that the asked node is still there."""
         self._requests.look()
         self._stopping.look()
         self._look_whether_automatic()

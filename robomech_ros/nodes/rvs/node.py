@@ -19,7 +19,7 @@ from robomech_ros.nodes.rvs.settings import RvsSettings
 from robomech_ros.robots.robot_kinds import ARM, check_name, kind_of
 from robomech_ros.rvs.opening import live_page_of, mobile_page_of, require_viser
 
-# How often it is looked whether who is to answer is still there (s).
+# Period of checks that asked nodes are still there (s).
 _LOOK = 1.0
 
 

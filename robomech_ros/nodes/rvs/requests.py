@@ -60,7 +60,7 @@ class Requests:
         future.add_done_callback(answered)
 
     def look(self) -> None:
-        """Give up what took too long, and what was asked of somebody who is gone."""
+        """Drop requests that took too long, and those to servers that are gone."""
         with self._lock:
             waiting = list(self._waiting)
         now = time.monotonic()

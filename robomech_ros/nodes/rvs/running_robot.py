@@ -70,12 +70,12 @@ class RunningRobot(JoggedRobot):
 
     @property
     def gripper(self) -> GripperModel | None:
-        """Its gripper; None if it has none that can be commanded."""
+        """Its gripper; None if it has none, or none that takes commands."""
         return self._gripper.gripper
 
     @property
     def gripper_moves(self) -> bool:
-        """Whether a command to the gripper is under way."""
+        """True if a command to the gripper is under way."""
         return self._gripper.moves
 
     def follow_world(self, view: WorldLayer) -> None:
@@ -94,7 +94,7 @@ class RunningRobot(JoggedRobot):
             self._world.close()
 
     def want_markers(self, wanted: bool) -> None:
-        """Listen to markers, or not."""
+        """Subscribe to markers, or unsubscribe."""
         soon(self._node, lambda: self._listen(wanted))
 
     def look(self) -> None:

@@ -34,7 +34,7 @@ class StateFeed(PollThread):
     def __init__(
         self, node: Node, model: RobotModel, settings: RvsSettings, view: LiveLayer
     ) -> None:
-        # Of a parallel robot it takes all joints to say where it is.
+        # The pose of a parallel robot depends on all joints.
         moved = model.chain if model.mechanism is None else model.mechanism
         super().__init__(node, settings, view, moved.joint_names)
         self._view, self._all_joints = view, model.joint_names

@@ -1,4 +1,4 @@
-"""Has the robot stopped, and says so when those who were asked have answered.
+"""Requests stops of the robot, and reports when all nodes have answered.
 
 Publisher and controller are asked at once, since either may hang.  The publisher may stop the robot
 by a trajectory that brakes on the path; where that comes after the controller held, the robot would
@@ -20,7 +20,7 @@ from robomech_ros.nodes.rvs.requests import Requests
 if TYPE_CHECKING:
     from robomech_ros.rvs.layers.live import LiveLayer
 
-# From when on somebody who does not answer is named, and how long the answer still counts (s).
+# Time after which a silent node is named, and time for which its answer still counts (s).
 _LATE_AFTER, _PATIENCE = 2.0, 60.0
 
 
@@ -36,7 +36,7 @@ class StopClient:
         self._requests, self._cancel, self._hold, self._view = requests, cancel, hold, view
         self._lock = threading.Lock()
         self._number, self._since, self._shown, self._named = 0, 0.0, True, False
-        # Of the latest stop: who has not answered, and what went wrong.
+        # For the latest stop: nodes without an answer, and errors.
         self._open: list[Client] = []
         self._faults: list[str] = []
 
@@ -60,7 +60,7 @@ class StopClient:
         self._shown = False
 
     def look(self) -> None:
-        """Name, once, those who have not answered for some time."""
+        """Name, once, the nodes without an answer for some time."""
         if self._open and self._late and not self._named:
             self._named = True
             self._show()

@@ -58,7 +58,7 @@ class CommandIntake:
         ]
 
     def attend(self, attended: bool) -> None:
-        """Have the executor look for messages, or leave that to `take`."""
+        """Switch between reception by the executor and by `take`."""
         for inbox, _ in self._readers:
             inbox.attend(attended)
 

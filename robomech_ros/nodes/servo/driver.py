@@ -94,7 +94,7 @@ class Driver:
     def pause(self, paused: bool) -> None:
         """Brake and hold whatever is commanded, or follow commands again."""
         self._servo.paused = paused
-        # What was commanded before must not move the robot after a pause.
+        # Earlier commands must not move the robot after a pause.
         self._servo.forget()
         self._intake.clear()
         self.wake()
@@ -104,10 +104,7 @@ class Driver:
         self.wake()
 
     def _after_hold_up(self, now: float, most: float) -> None:
-        """End what was under way where this process was held up for longer than `most` (s).
-
-        The robot has braked by the plan of the last message.
-        """
+        """End motions after a stall of more than `most` (s): the robot has braked meanwhile."""
         if self._hold_ups.look(now, most):
             self._servo.end()
             self._servo.forget()
@@ -144,7 +141,7 @@ class Driver:
             self.stream.lead.followed(now, lag)
 
     def _has_said_all(self, now: float) -> bool:
-        """Whether nobody commands, and enough messages have shown the plan to stop."""
+        """Return whether commands have ended and enough messages contained the plan to stop."""
         if self._servo.wants_to_move(now) or self.stream.end_moved():
             self._repeats = 0
             return False

@@ -115,7 +115,7 @@ class ServoNodeSettings(FrameSettings):
 
     @property
     def task_mask(self) -> tuple[bool, ...]:
-        """Which components of the pose are held, as `Servo.hold` takes them."""
+        """Held components of the pose, as for `Servo.hold`."""
         return tuple(name not in self.free_directions for name in _DIRECTIONS)
 
 

@@ -52,7 +52,7 @@ class StatusPublisher:
         self._published: tuple[tuple[object, ...], float] = ((), -REPEATED)
 
     def is_new(self, situation: tuple[object, ...], now: float) -> bool:
-        """Whether a situation, or a refusal in it, was not reported in the last second."""
+        """Return whether a situation, or a refusal in it, was not reported in the last second."""
         situation = (*situation, self._refusal(now))
         if situation == self._published[0] and now < self._published[1] + REPEATED:
             return False

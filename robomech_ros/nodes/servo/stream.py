@@ -43,7 +43,7 @@ class StreamPublisher:
         self._logger, self._said = node.get_logger(), False
         # The time of the latest knot (s).
         self._knot = 0.0
-        # Where the last message ends (rad or m).
+        # End of the last message (rad or m).
         self._end: Array | None = None
         self._publisher = node.create_publisher(JointTrajectory, settings.command_out_topic, 10)
         self.topic = str(self._publisher.topic_name)  #: Topic of the controller's input.
@@ -82,7 +82,7 @@ class StreamPublisher:
         return report
 
     def _follow_lateness(self, now: float, late: float) -> None:
-        """Have the lead follow a lateness (s), and say so the first time."""
+        """Adapt the lead to a lateness (s), with a warning the first time."""
         self.lead.sent(now, late)
         lead = self.lead
         if lead.latest and not self._said:

@@ -92,7 +92,7 @@ class TrajectoryPlannerNode(Node):
         self._warm_up()
 
     def stop(self) -> None:
-        """Answer those who wait for a plan."""
+        """Answer all requests that wait for a plan."""
         self._worker.give_up(TrajectoryRefusedError("the trajectory planner shuts down"))
 
     def destroy_node(self) -> None:
@@ -171,7 +171,7 @@ class TrajectoryPlannerNode(Node):
         return self._scene.add_note(scene, response)
 
     def _are_apart(self, frames: list[str]) -> bool:
-        """Whether frames stay in inertial space, or move with the floating base."""
+        """Return whether frames stay in inertial space, or move with the floating base."""
         apart = [self._frames.is_apart(frame) for frame in frames]
         if any(apart) and not all(apart):
             expected = "all in inertial space, or all in frames of the robot: its base floats"

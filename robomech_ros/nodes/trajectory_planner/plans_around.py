@@ -76,10 +76,7 @@ def _refuse_instants(check: "MotionCheck") -> NoReturn:
 def ending_before_contact(
     scene: "PlanningScene", start: Array, bounds: PathStopLimits
 ) -> PathStopLimits:
-    """Let a path of the tool end before contact, too.
-
-    Raises OutcomeError: the start (n,) is in contact.
-    """
+    """Add contact to the stop conditions of a path; OutcomeError if the start (n,) touches."""
     from robomech_ros.collision import stop_before_contact
     from robomech_ros.collision.planning import in_words
 

@@ -54,12 +54,12 @@ class ActionTransport:
 
     @property
     def ready(self) -> bool:
-        """Whether the controller serves the action."""
+        """True if the controller serves the action."""
         return bool(self._client.server_is_ready())
 
     @property
     def runs(self) -> bool:
-        """Whether the controller executes a goal."""
+        """True if the controller executes a goal."""
         return bool(self._handles)
 
     def send(self, execution: ExecutionRequest, message: JointTrajectory, moved: Moved) -> None:
@@ -107,7 +107,7 @@ class ActionTransport:
             handle.cancel_goal_async()
 
     def destroy(self) -> None:
-        """Give up the action client; once is enough."""
+        """Destroy the action client, once."""
         if not self._destroyed:
             self._destroyed = True
             self._client.destroy()

@@ -74,12 +74,12 @@ class ControllerClient:
 
     @property
     def died(self) -> bool:
-        """Whether the controller was there and shows no sign of life any more."""
+        """True if the controller was there and shows no sign of life any more."""
         return self._life.ended
 
     @property
     def replaced(self) -> bool:
-        """Whether the controller that was sent to last has died, and another process is there."""
+        """True if the controller that was sent to last has died, and another process is there."""
         return self._life.has_successor(self._sent_to)
 
     def kinds(self, names: Sequence[str]) -> JointKinds:
@@ -117,7 +117,7 @@ class ControllerClient:
         self._action.cancel()
 
     def _left(self, start: Array | None, names: Sequence[str]) -> bool:
-        """Whether the robot is elsewhere than at a start, rad or m."""
+        """Return whether the robot is elsewhere than at a start, rad or m."""
         place = self.positions(names)
         if start is None or place is None:
             return False

@@ -1,4 +1,4 @@
-"""Why the controller refuses trajectories sent by topic, as it says on /diagnostics."""
+"""Reasons on /diagnostics why the controller rejects trajectories sent by topic."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""Lets a dispatcher check the robot periodically, by the clock of a node."""
+"""Periodic checks of a robot by a dispatcher, with the clock of a node."""
 
 from collections.abc import Callable
 
@@ -45,10 +45,7 @@ class DispatchLoop:
         clock.on_jump(self._take_jump)
 
     def offer(self, execution: ExecutionRequest) -> None:
-        """Queue an execution request.
-
-        Raises QueueFullError: too many requests wait already.
-        """
+        """Queue an execution request; raises QueueFullError if too many wait already."""
         self.dispatcher.offer(execution, self.clock.now())
         self.watch()
 
@@ -69,13 +66,13 @@ class DispatchLoop:
             self._timer.cancel()
 
     def _require_time(self) -> None:
-        """Give up all that waits where there is no time in which anything could move."""
+        """Drop all waiting trajectories if there is no time yet."""
         self._begin.cancel()
         if not self.clock.runs:
             self.dispatcher.close(missing_time(self._node))
 
     def _take_jump(self, by: float) -> None:
-        """Have what waits for its stamp watched by the new time (s)."""
+        """Monitor deliveries that wait for their stamp by the new time (s)."""
         self.dispatcher.clock_jumped(by, self.clock.now())
         self.watch()
 
@@ -84,7 +81,7 @@ class DispatchLoop:
         assert report is not None
         if report.code:
             text = f"trajectory failed ({report.code} {name_of(report.code)}): {report.text}"
-            # What somebody asked for is no error.
+            # A requested end is no error.
             (self._log.info if report.code == Code.PREEMPTED else self._log.error)(text)
         elif report.text:
             self._log.warning(report.text)

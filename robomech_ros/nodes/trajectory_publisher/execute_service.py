@@ -83,7 +83,7 @@ class ExecuteService:
         return reader.read(trajectory, transport, ignore_collisions=ignoring)
 
     def _stands_at_the_end_of(self, execution: ExecutionRequest) -> bool:
-        """Whether it was executed, and the robot is still where it ended and not at its start."""
+        """Return whether it was executed and the robot is still at its end, not at its start."""
         if execution.report is None or execution.report.code:
             return False
         names, settings = execution.names, self._settings

@@ -31,10 +31,7 @@ class ExecutionReader:
     def read(
         self, message: JointTrajectory, transport: Transport, *, ignore_collisions: bool = False
     ) -> ExecutionRequest:
-        """Check a received trajectory, and turn it into an execution request.
-
-        Raises RobomechError: the trajectory is refused.
-        """
+        """Convert a received trajectory to an execution request, or raise a RobomechError."""
         names = list(message.joint_names)
         if not names:
             raise WrongSizeError("joint_names", 0, "at least one joint")

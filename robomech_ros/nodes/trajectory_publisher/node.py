@@ -59,7 +59,7 @@ class TrajectoryPublisherNode(Node):
         refusals = ControllerRefusals(self, settings.controller, self._take_result)
         action_name = f"{settings.controller}/{ExecuteGoals.name}"
         monitor = JointStateMonitor(self)
-        # What a controller has said of its joints says nothing of those of the next.
+        # Reports of a controller do not hold for the joints of the next.
         life = LivelinessMonitor(self, action_name, settings.controller_lease, monitor.forget)
         self._link = ControllerClient(
             self, settings.controller, clock, action, refusals, life, monitor
@@ -113,7 +113,7 @@ class TrajectoryPublisherNode(Node):
         return NodeHealth(f"{summary}; {trouble}" if trouble else summary, bool(trouble), values)
 
     def stop(self) -> None:
-        """Answer those who wait; a motion that was sent goes on."""
+        """Answer the waiting requests; a motion that was sent goes on."""
         reason = "the trajectory publisher shuts down"
         self._programs.give_up(reason)
         self._runner.cancel(reason)

@@ -52,7 +52,7 @@ class ProgramRunner:
 
     @property
     def runs(self) -> bool:
-        """Whether a program runs, or is about to."""
+        """True if a program runs, or is about to."""
         return self._preparing or self._program is not None
 
     def prepare(self) -> None:
@@ -66,10 +66,7 @@ class ProgramRunner:
         return goes_on
 
     def check(self, program: Program, chain: SerialChain, place: Array) -> None:
-        """Plan all moves of a program, from where the robot is (rad or m); in any thread.
-
-        Raises RobomechError: one of its moves cannot be planned.
-        """
+        """Plan a program from the present positions (rad or m), in any thread; or RobomechError."""
         known = set()
         for step in (*program.steps, *program.steps[: program.cycles != 1]):
             if step.posture:

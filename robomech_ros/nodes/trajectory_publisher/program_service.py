@@ -49,7 +49,7 @@ class ProgramService:
         serve(node, Trigger, "~/run_program", self._run_program, callback_group=group)
 
     def give_up(self, reason: str) -> None:
-        """Answer whoever waits for a program to begin."""
+        """Answer the requests that wait for a program to begin."""
         self._worker.give_up(TrajectoryRefusedError(reason))
 
     def destroy(self) -> None:

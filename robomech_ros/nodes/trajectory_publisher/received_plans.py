@@ -55,16 +55,13 @@ class ReceivedPlans:
         self.topics = self._listen(table.settings.planner_topic)
 
     def executes(self, trajectory: JointTrajectory) -> bool:
-        """Whether a trajectory is the latest plan, which nobody needs to ask for."""
+        """Return whether a trajectory is the latest plan, executed without a request."""
         latest = self.latest
         automatic = self._table.settings.auto_execute
         return automatic and latest is not None and bool(latest.trajectory == trajectory)
 
     async def wait_for_plan(self) -> bool:
-        """Wait a moment for a plan that was made before a request but has not arrived.
-
-        Returns False if the request was given up meanwhile.
-        """
+        """Wait a moment for a plan that precedes a request; False if that is given up."""
         if self._next is None or self._next.done():
             self._next = Future()
         before = self._given_up
@@ -74,7 +71,7 @@ class ReceivedPlans:
         return self._given_up == before
 
     def give_up(self) -> int:
-        """Give up the requests that wait for a plan; returns how many do."""
+        """Drop the requests that wait for a plan; return their number."""
         self._given_up += 1
         if self._next is not None and not self._next.done():
             self._next.set_result(None)

@@ -119,10 +119,7 @@ def answering_transport(settings: PublisherSettings) -> Transport:
 
 
 def asked_tolerances(settings: PublisherSettings) -> AskedTolerances:
-    """Pick what goals ask of the controller.
-
-    Raises ParameterError: a tolerance between -1 and 0, which means nothing.
-    """
+    """Return the tolerances of goals; ParameterError for one between -1 and 0."""
     asked = AskedTolerances(
         path=settings.controller_path_tolerance,
         goal=settings.controller_goal_tolerance,
@@ -136,10 +133,7 @@ def asked_tolerances(settings: PublisherSettings) -> AskedTolerances:
 
 
 def action_goals(transport: Transport) -> "ExecuteGoals | FollowGoals":
-    """Return the action of a transport.
-
-    Raises ParameterError: the package of the action is not installed.
-    """
+    """Return the action of a transport; ParameterError if its package is not installed."""
     if transport is not Transport.FOLLOW:
         return ExecuteGoals()
     try:

@@ -1,4 +1,4 @@
-"""Lets a robot walk cycle by cycle: has it rise, continues the walk, watches the joints."""
+"""Driver of a walk, cycle by cycle: rise, walk and joint monitoring."""
 
 import math
 
@@ -32,7 +32,7 @@ _PATIENCE = 1.0
 
 
 class Driver:
-    """Has one robot walk."""
+    """Drives the walk of one robot."""
 
     def __init__(
         self, node: Node, walker: Walker, clock: MotionClock, settings: WalkerSettings

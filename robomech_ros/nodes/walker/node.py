@@ -16,7 +16,7 @@ from robomech_ros.walking import load_legged
 
 
 class WalkerNode(Node):
-    """Has a walking machine follow twists, with a margin that keeps its bound."""
+    """Makes a walking machine follow twists within its stability margin."""
 
     SETTINGS = WalkerSettings
 

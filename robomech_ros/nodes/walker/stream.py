@@ -68,7 +68,7 @@ class WalkStream:
         if not known:
             return False
         off = np.abs(np.array([knot.update.q for knot in known]) - position).max(axis=1)
-        # Of equal ones the latest.
+        # The latest of equal ones.
         best = len(known) - 1 - int(np.argmin(off[::-1]))
         if off[best] > _NEAR:
             return False
@@ -118,7 +118,7 @@ class WalkStream:
 
     @property
     def moves(self) -> bool:
-        """Whether joints move between the knots, or messages are to be repeated."""
+        """True if joints move between the knots, or messages are to be repeated."""
         settles = self._knots[0].time < self._settled
         updates = [knot.update for knot in self._knots]
         if settles or any(one.walking or np.abs(one.rates).max() > _REST for one in updates):
@@ -128,10 +128,7 @@ class WalkStream:
         return self._repeats > 0
 
     def samples(self) -> Samples:
-        """Return positions and rates of the joints behind the present knot, to rest.
-
-        Times are counted from the present knot (s).
-        """
+        """Return positions and rates of the joints to rest, timed from the present knot (s)."""
         q = np.array([knot.update.q for knot in self._knots])
         period = self.walker.period
         robot = self.walker.robot

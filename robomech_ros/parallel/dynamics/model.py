@@ -147,7 +147,7 @@ def complements(mechanism: Mechanism, q: Array, rates: Array) -> tuple[Array, Ar
 def loop_servo(
     model: Mechanism, plant: Mechanism, friction: tuple[Array, Array], law: ServoLaw
 ) -> CompiledServo:
-    """Have a controller that knows a mechanism drive it, or the same with a load.
+    """Simulate a controller with the model of a mechanism on it, or on a loaded one.
 
     The friction is that of all joints (4, n) of the one that moves, and of the model.
     """

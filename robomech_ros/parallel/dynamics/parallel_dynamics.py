@@ -233,7 +233,7 @@ class ParallelDynamics:
         return forward
 
     def compiled_servo(self, plant: ParallelDynamics, law: ServoLaw) -> CompiledServo:
-        """Have a controller that knows this robot drive it, or the same with a load."""
+        """Simulate a controller with the model of this robot on it, or on a loaded one."""
         friction = plant.friction_rows, self.friction_rows
         return loop_servo(self.mechanism, plant.mechanism, friction, law)
 

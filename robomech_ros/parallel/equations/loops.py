@@ -76,7 +76,6 @@ def platform_equations(robot: Robot, drives: ArrayLike) -> PlatformEquations:
 
 
 def _lengths(drives: ArrayLike, count: int) -> Array:
-    """Check lengths of legs (m)."""
     given = enumerate(actuated("lengths", drives, count).tolist(), 1)
     return np.array([positive(f"length of leg {leg}", one, zero=True) for leg, one in given])
 

@@ -1,4 +1,4 @@
-"""How evenly drives move a platform: distances from singularities, dexterity, and the length."""
+"""Conditioning of platforms: distances from singularities, dexterity, and the length."""
 
 from __future__ import annotations
 
@@ -145,7 +145,7 @@ def _best_length(limbs: Wrenches, S: Array) -> float:
     middle, reach = 0.0, _RANGE
     for _ in range(_ROUNDS):
         powers = middle + np.linspace(-reach, reach, _LENGTHS)
-        # Of columns of S the squares of the norms with the length over the size.
+        # Squared norms of the columns of S with the length over the size.
         stretched = turns[..., None] * 100.0**powers + moves[..., None]
         squares = (forward[..., None] / stretched).sum(axis=1) * (back[..., None] * stretched).sum(
             axis=1

@@ -1,6 +1,6 @@
 """Wrenches with which limbs of any kind hold a platform: those that their drives bear, and others.
 
-Of each drive those wrenches count that do no work on the other joints of its limb.  Some of them
+For each drive those wrenches count that do no work on the other joints of its limb.  Some of them
 do none on the drive, either: the limb bears them by itself, whatever its drive does, and they leave
 the platform the motions that it has.  The others differ by such ones; the one with the least force
 stands for them, of force 1, or, where it is a couple, the one with the least moment, of moment 1.
@@ -226,7 +226,7 @@ def _lever(
     (e, o), (a, p) = (_axis(screws[..., j], size) for j in (k, turning[0]))
     f = wrench[..., _ANGULAR:] / size
     r = np.cross(f, wrench[..., :_ANGULAR])
-    # Of the axis of the next joint the point nearest to the line of the force.
+    # The point of the next joint's axis nearest to the line of the force.
     across = a - f * (a * f).sum(axis=-1, keepdims=True)
     square = (across * across).sum(axis=-1, keepdims=True)
     met = square > _NOTHING

@@ -1,4 +1,4 @@
-"""Which poses limbs of any kind let a platform take, and along which axes it moves in one."""
+"""Poses of a platform on limbs of any kind, and its axes of motion in a pose."""
 
 from collections.abc import Callable
 
@@ -17,7 +17,7 @@ _TWIST, _ANGULAR = 6, 3
 _ROUNDING = 1e-9
 # A step (rad; of the size) that the platform makes if it has a motion, not only the tangent of one.
 _STEP = 1e-2
-# What limbs say of a pose that they hold.
+# Outcomes of limbs that hold a pose.
 _HELD = (Code.NONE, Code.SINGULAR_CONTINUUM)
 # Robots with slides that have no end: how far they are looked at, of their size.
 _FARTHEST = 4.0

@@ -1,4 +1,4 @@
-"""Whether limbs reach poses within strokes, cones and limits, and which one excludes a pose."""
+"""Check of poses against strokes, cones and limits of the limbs."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _MODES = tuple("".join(signs) for signs in product("-+", repeat=_LIMBS))
 
 @dataclass(frozen=True, eq=False)
 class PoseLimits:
-    """Which poses a robot takes, and what excludes the others.
+    """Poses that a robot takes, and the reasons that exclude the others.
 
     Parameters
     ----------

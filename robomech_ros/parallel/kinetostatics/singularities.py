@@ -81,7 +81,7 @@ class LoopSingularity:
 
     @property
     def singular(self) -> bool:
-        """Whether the pose is singular, of either type."""
+        """True if the pose is singular, of either type."""
         return self.type > 0
 
     @property

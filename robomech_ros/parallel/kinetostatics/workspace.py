@@ -1,4 +1,4 @@
-"""How far a platform can be moved or turned from a pose, and which limb ends it."""
+"""Range of a platform from a pose, in translation or rotation, and the limb that ends it."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ _CAUSE = np.dtype("U120")
 
 @dataclass(frozen=True, eq=False)
 class PlatformWorkspace:
-    """How far a platform gets from a pose, along directions or by turns about axes.
+    """Range of a platform from a pose, along directions or by rotations about axes.
 
     Parameters
     ----------

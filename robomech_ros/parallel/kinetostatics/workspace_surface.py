@@ -36,7 +36,7 @@ class WorkspaceSurface:
 
     @property
     def reach(self) -> float:
-        """How far the farthest corner is from the centre (m)."""
+        """Distance of the farthest corner from the centre (m)."""
         return float(np.linalg.norm(self.facets - self.centre, axis=-1).max())
 
     def distance(self, points: Array) -> Array:
@@ -64,7 +64,7 @@ class WorkspaceSurface:
         return sides, np.asarray(np.linalg.pinv(sides))
 
     def _is_inside(self, point: Array) -> bool:
-        """Whether a point is before the facet in whose direction it is from the centre."""
+        """Return whether a point is before the facet in whose direction it is from the centre."""
         parts = self._from_centre @ (point - self.centre)
         ahead = (parts >= _ON_EDGE).all(axis=1)
         total = parts.sum(axis=1)[ahead]

@@ -181,7 +181,7 @@ def delta_limbs(name: str, geometry: Array, azimuths: Array, limits: Array) -> l
         elbow = (base + arm) * r
         ankle = elbow - [0.0, 0.0, forearm]
         low, high = limits[i].tolist()
-        # Where all joints are at zero the arm is level and the forearm hangs down.
+        # With all joints at zero the arm is level and the forearm hangs down.
         axes = [
             Axis(f"{leg}_base", f"{leg}_arm", across, base * r, limits=(low, high)),
             Axis(f"{leg}_elbow_swing", f"{leg}_elbow_cross", across, elbow),

@@ -1,4 +1,4 @@
-"""How many freedoms closed loops leave, by the rank of their conditions in a posture."""
+"""Freedoms of closed loops, by the rank of their conditions in a posture."""
 
 from collections.abc import Sequence
 

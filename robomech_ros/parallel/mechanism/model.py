@@ -105,7 +105,7 @@ class Mechanism(LoopMotion):
         )
         self.types = np.concatenate([chain.types for chain in chains])
         self.units = tuple(unit for chain in chains for unit in chain.units)
-        # Where the drives stand among all joints.
+        # Indices of the drives among all joints.
         self.drive_index = np.flatnonzero([name in driven for name in self.joint_names])
         super().__init__(Loops.of(chains, self.drive_index), len(self.joint_names), len(driven))
         # The longest constant offset in it (m).
@@ -143,7 +143,7 @@ class Mechanism(LoopMotion):
 
     @cached_property
     def family(self) -> str:
-        """How many limbs with which joints, from the base on, as in ``6-PRRRRR``."""
+        """Number of limbs and their joints from the base on, as in ``6-PRRRRR``."""
         kinds = ["".join("RP"[kind] for kind in limb.chain.types) for limb in self.limbs]
         return " ".join(f"{kinds.count(kind)}-{kind}" for kind in dict.fromkeys(kinds))
 
@@ -252,7 +252,7 @@ class Mechanism(LoopMotion):
                     break
         if not found:
             raise BadValueError("limbs", self.name, "limbs that close at their home")
-        # Of postures that mirror each other, rounding must not choose.
+        # Rounding must not choose between mirrored postures.
         regular = np.array([self._regularity(q) for q in found])
         return found[int(np.argmax(regular >= (1.0 - _ALIKE) * regular.max()))]
 

@@ -41,7 +41,7 @@ class LoopMotion:
         poses = self.limb_poses(q)
         away = poses - poses[..., :1, :, :]
         distance = np.linalg.norm(away[..., :3, 3], axis=-1)
-        # Of a turn by an angle, the difference of the matrices has the norm 2 sqrt(2) sin(angle/2).
+        # A rotation by an angle changes its matrix by the norm 2 sqrt(2) sin(angle/2).
         chord = np.linalg.norm(away[..., :3, :3], axis=(-2, -1)) / np.sqrt(8.0)
         return np.stack((distance, 2.0 * np.arcsin(np.minimum(chord, 1.0))), axis=-1)
 
@@ -90,10 +90,7 @@ class LoopMotion:
         return self.loops.rates(self._all_joints("q", q), np.eye(self.dof))[0]
 
     def twist_matrix(self, q: ArrayLike) -> Array:
-        """Compute the map (..., 6, m) from rates of the drives to the twist of the platform.
-
-        Angular rows are first, in the base.
-        """
+        """Compute the map (..., 6, m) from drive rates to the platform's twist in the base."""
         return self.loops.rates(self._all_joints("q", q), np.eye(self.dof))[1]
 
     def accelerations(

@@ -116,7 +116,7 @@ def joints_of_mode(limbs: Sequence[Limb], loops: Loops, T: Array, drives: Array)
         off = np.where(turns, np.abs(np.remainder(off + np.pi, _TURN) - np.pi), off)
         away = off.max(axis=1, initial=0.0)
         same = rows[away <= away.min(initial=np.inf) + _SAME]
-        # Of branches with the same drives, the one inside limits or next to them.
+        # Among branches with the same drives, the one inside limits or next to them.
         out = limb.limit_excess(same).max(axis=1, initial=0.0)
         q[own] = same[np.argmin(out)] if len(same) else np.nan
     q[loops.drives >= 0] = drives

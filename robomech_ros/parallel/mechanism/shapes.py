@@ -52,7 +52,7 @@ def shapes_of_limbs(chains: Sequence[SerialChain], home: Array) -> dict[str, lis
         shapes[chains[0].base] = [_rod_between(np.zeros(3), [0.0, 0.0, -_SPHERE], 0.012, _GREY)]
         shapes[chains[0].tip] = [_ball(np.zeros(3), 0.3 * _SPHERE, _ORANGE)]
         return shapes
-    # Where limbs turn in one plane, a plate of the base would hide the platform.
+    # For planar limbs a plate of the base would hide the platform.
     first = np.array([step[0, :3, 2] for step in steps])
     planar = np.linalg.norm(np.cross(first, first[0]), axis=1).max() <= _SAME
     base = list(_frame(on_base, size, _GREY, plate=not planar))

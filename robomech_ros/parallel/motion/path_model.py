@@ -61,7 +61,7 @@ class MechanismPathModel:
         chains = [limb.chain for limb in self.mechanism.limbs]
         return JoinedArms(
             tuple(
-                # Where a limb is lost all limbs are asked together.
+                # If a limb is lost all limbs are asked together.
                 SerialArm(
                     partial(forward_kinematics, chain), lambda *_: None, partial(jacobian, chain)
                 )

@@ -1,4 +1,4 @@
-"""How near a posture of a mechanism is to a singularity, and what is singular there."""
+"""Distance of a mechanism's posture from a singularity, and the singular part."""
 
 import numpy as np
 

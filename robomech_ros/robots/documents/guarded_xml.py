@@ -108,7 +108,7 @@ def parse_xml(text: str | bytes, where: str) -> XmlElement:
     return builder.root
 
 
-# What xacro leaves to be expanded, but for definitions, without which nothing is missing.
+# Elements of xacro that had to be expanded, except definitions.
 _XACRO = "xacro:"
 _XACRO_DEFINITIONS = ("xacro:property", "xacro:arg", "xacro:macro")
 
@@ -146,7 +146,7 @@ def _decoded(document: bytes) -> str:
     try:
         return document.decode(encoding)
     except UnicodeDecodeError:
-        # What urdfdom takes as it is: mostly a degree sign or an umlaut in a comment.
+        # Accepted by urdfdom: mostly a degree sign or an umlaut in a comment.
         return document.decode("latin-1")
 
 

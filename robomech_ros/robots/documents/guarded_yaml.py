@@ -15,7 +15,7 @@ from robomech_ros.errors import RobotDescriptionError
 LARGEST_YAML = 256 * 1024
 DEEPEST = 12
 _FLAGS = {"yes": True, "no": False, "on": True, "off": False}
-# What an error may repeat from a file that may not have been meant to be read: names, nothing else.
+# Errors repeat only names from a file that may not have been meant to be read.
 _NAME = re.compile(r"[A-Za-z_][\w.-]{0,39}")
 _QUOTED = re.compile(r"""(?P<quote>['"])(?P<text>.{2,}?)(?P=quote)""")
 

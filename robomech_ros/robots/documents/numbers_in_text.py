@@ -32,10 +32,7 @@ def _plain(text: str) -> str:
 
 
 def finite_number(text: str) -> float:
-    """Read a number that is neither infinite nor NaN.
-
-    Raises ValueError: the text is not such a number.
-    """
+    """Read a finite number; raises ValueError if the text is not one."""
     value = number(text)
     if not math.isfinite(value):
         raise ValueError(f"'{text[:80]}' is not finite")

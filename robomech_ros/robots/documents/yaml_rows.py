@@ -17,7 +17,7 @@ from robomech_ros.typing import Array
 
 _ROW_KEYS = ("name", "type", "a", "alpha")
 _ROW_OPTIONAL = ("b", "d", "theta", "body", "drive")
-# What is an angle, or a rate of one, of every joint and of a joint that turns.
+# Fields with an angle or its rate, for every joint and for revolute joints.
 _ANGLES = ("alpha", "theta")
 _TURNS = ("lower", "upper", "velocity", "acceleration", "jerk")
 JOINT_TYPES = ("revolute", "continuous", "prismatic")

@@ -112,7 +112,7 @@ def description_from_urdf(text: str | bytes, where: str = "URDF") -> RobotDescri
 
 
 def _without_leader(joint: Joint, fault: str, where: str) -> Joint:
-    """Let a joint that follows none that could lead stand by itself."""
+    """Make a joint independent if it mimics a joint that cannot lead."""
     if not fault:
         return joint
     place = f"{where}: joint '{joint.name}'"

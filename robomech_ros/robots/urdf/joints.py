@@ -38,7 +38,7 @@ def read_joint(element: XmlElement, where: str, notes: list[str]) -> Joint:
     if kind not in JOINT_TYPES:
         reader.refuse(f"type is '{kind[:80]}', expected one of {', '.join(JOINT_TYPES)}")
     parent, child = reader.link("parent"), reader.link("child")
-    # Of several origins urdfdom takes the first.
+    # urdfdom takes the first of several origins.
     origins = element.all("origin")[:1]
     if any("quat_xyzw" in origin.attributes for origin in origins):
         reader.refuse("<origin> has quat_xyzw, of URDF 1.1; expected rpy, which all readers know")

@@ -1,4 +1,4 @@
-"""Files of meshes, as whoever does not know where a URDF lies finds them."""
+"""URLs of meshes for readers without the folder of a URDF."""
 
 import re
 from collections.abc import Iterator

@@ -16,7 +16,7 @@ from robomech_ros.typing import Array
 # Measures of drums and bars, in parts of the robot's reach; bars shorter than the last are left
 # out, since the drum of a joint hides them.
 DRUM_RADIUS, DRUM_LENGTH, BAR_RADIUS, SHORTEST_BAR = 0.045, 0.12, 0.028, 0.02
-# What stands for a part without joints and lengths.
+# Placeholder for a part without joints and lengths.
 _UPRIGHT = Joint("", "fixed", "", "", np.eye(4))
 # Part of the thickness at the base that the last part of an arm still has.
 THINNEST = 0.55

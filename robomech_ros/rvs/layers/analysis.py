@@ -33,7 +33,7 @@ COLOURS = {"velocity": (40, 125, 230), "force": (235, 130, 30)}
 OPACITY = 0.4
 # Label of the choice between ellipsoids of motions and of rotations.
 PART = "ellipsoids of"
-# What can be shown, and its label.
+# Switches, and their labels.
 LABELS = {
     "numbers": "numbers",
     "velocity": "velocity ellipsoid",
@@ -88,7 +88,7 @@ class AnalysisLayer(Layer):
 
     @property
     def _judges(self) -> bool:
-        """Whether the posture is judged, which needs the characteristic length."""
+        """True if the posture is judged, which needs the characteristic length."""
         return self._switches["numbers"] or self._switches["lost"]
 
     def _choose_part(self, value: Any) -> None:

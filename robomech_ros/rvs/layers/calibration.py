@@ -35,7 +35,7 @@ class CalibrationLayer(Layer):
         # They would cover what is small.
         for what in ("ghosts", "gizmo"):
             context.switch(what, False)
-        # Where the last sample was taken, if the arm gets there.
+        # Posture of the last sample, if the arm reaches it.
         context.arm.drag(result.robot_poses[-1])
         context.arm.release()
         at = context.arm.positions

@@ -13,7 +13,7 @@ from robomech_ros.typing import Array
 
 # Between the joints and what is shown.
 ORDER = 5.5
-# Of a plan so many postures are to be in the picture.
+# Number of postures of a plan that must be in the picture.
 SWEEP = 6
 
 
@@ -37,7 +37,7 @@ class CameraLayer(Layer):
 
 
 def fit_view(context: LayerContext, client: Any) -> None:
-    """Let robot, ghosts, plan and what layers show fill a browser (viser.ClientHandle)."""
+    """Fill a browser (viser.ClientHandle) with robot, ghosts, plan and layers."""
     fit_camera(client, all_points(context))
 
 

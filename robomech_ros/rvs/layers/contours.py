@@ -59,7 +59,7 @@ class ContoursLayer(Layer):
         self._study, self._q = arm.study, arm.q
         return arm.target, (arm.q[list(JOINTS)] + np.pi) % (2.0 * np.pi) - np.pi
 
-    # What a page calls.
+    # Calls of the page.
 
     def show(self) -> None:
         """Draw the contours of another target; nothing where they are off."""
@@ -98,12 +98,12 @@ class ContoursLayer(Layer):
             self._view.show(on)
 
     def _turn(self, on: bool) -> None:
-        # Where nobody commands, there is nothing to be switched.
+        # Without a commanding browser there is nothing to switch.
         if self._view is not None and not self._view.removed and on != self._on:
             self._box.value = on
             self._switch(on)
 
-    # What the view of the curves calls.
+    # Calls of the view of the curves.
 
     def compute(self, kind: Hashable, request: Callable[[], None]) -> None:
         """Do something on the thread of this layer."""
@@ -126,7 +126,7 @@ class ContoursLayer(Layer):
         return str(number + 1), f"rgb{PALETTE[number % len(PALETTE)]}"
 
     def take(self, found: Finding) -> None:
-        """Have the arm take a posture, each joint in the turn that is inside its limits."""
+        """Move the arm to a posture, each joint in the turn that is inside its limits."""
         if found.q is None:
             return
         number = self._number(found)

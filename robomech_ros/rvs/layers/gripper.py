@@ -48,7 +48,7 @@ class GripperLayer(Layer):
             self._slider.value = value
 
     def controls(self, client: Any) -> Controls:
-        """Give the browser that commands the slider."""
+        """Add the slider to the commanding browser."""
         return AllControls([]) if self._gripper is None else super().controls(client)
 
     def _fill(self, folder: Folder, gui: Any) -> None:

@@ -31,19 +31,19 @@ CONE, FAR_CONE, CONE_OPACITY = (60, 160, 90), (150, 150, 150), 0.35
 NARROWEST = 0.04
 # Length of the side of a cone, and of the longest arrow, in sizes of the object.
 SIDE, LONGEST = 0.35, 0.8
-# Of arrows: forces of fingers, load, and what separates; each of force and of moment.
+# Colours of arrows: forces of fingers, load, and separating wrench; each of force and of moment.
 FORCE = ((20, 110, 60), (20, 110, 60))
 LOAD = ((225, 120, 20), (190, 140, 60))
 SEPARATING = ((225, 40, 45), (190, 50, 190))
 # Greatest force and moment of a load that is asked for (N, N m).
 MOST_LOAD = 1000.0
-# What can be shown, by its label.
+# Switches, by their labels.
 PARTS = ("object", "cones", "forces")
 # Step of the numbers of a load.
 LOAD_STEP = 0.1
 SIZE_HINT = "m: radius of a ball or cylinder, half the side of a box"
 MODEL_HINT = "frictionless, with friction, or soft: with a moment about the normal, too"
-# Of sliders from 0: the greatest value, and what it is.
+# Sliders from 0: greatest value, and meaning.
 SHARES = {
     "friction": (2.0, "Largest tangential force as a share of the normal force"),
     "torsional": (0.1, "m: largest moment of a soft finger for 1 N of normal force"),
@@ -177,7 +177,7 @@ class HandLayer(Layer):
         self.write("grasp", [closure, self._quality, *rest, *self._legend()])
 
     def controls(self, client: Any) -> Controls:
-        """Give a browser the folders "Grasp" and "Contacts"."""
+        """Add the folders "Grasp" and "Contacts" to a browser."""
         grasp = super().controls(client)
         self._contacts = self._add_folder(client.gui, "Contacts", self.order + 0.1)
         with self._contacts:
@@ -206,7 +206,7 @@ class HandLayer(Layer):
             value, change = getattr(spot, what), partial(choose, what)
             folder.slider(f"{name} {what}", unit, (low, high), value, change)
 
-    # What browsers ask for, on the thread of the page.
+    # Requests of browsers, on the thread of the page.
 
     def _choose_shape(self, value: Any) -> None:
         self.hand.held = replace(self.hand.held, shape=as_choice("object", value, SHAPES))
@@ -236,7 +236,7 @@ class HandLayer(Layer):
         self.hand.spots[finger] = replace(self.hand.spots[finger], **{name: new})
         self.hand.touch()
 
-    # What happens inside.
+    # Internal steps.
 
     def _know(self, key: object, line: Line) -> None:
         if key == self._studied:

@@ -53,7 +53,7 @@ class LiveLayer(LivePage):
         self._wait_box: Any = None
         robot.begin(self)
 
-    # Of the page, on its thread.
+    # Calls of the page, on its thread.
 
     def show(self) -> None:
         """Show the goal where it is not the robot."""
@@ -61,7 +61,7 @@ class LiveLayer(LivePage):
         self._goal_nodes.show(self._goal.is_apart)
 
     def controls(self, client: Any) -> Controls:
-        """Give the browser that commands buttons about the goal, and the folders Jog and ROS."""
+        """Add buttons for the goal and the folders Jog and ROS to the commanding browser."""
         self._commander, self._wait_box = client.client_id, None
         parts = [self._add_goal(client.gui)]
         if self._context.jogged is not None:
@@ -111,7 +111,7 @@ class LiveLayer(LivePage):
             self._stops += 1
             self._robot.stop()
 
-    # Of the controls.
+    # Calls of the controls.
 
     def plan(self) -> None:
         """Plan to the goal."""
@@ -160,7 +160,7 @@ class LiveLayer(LivePage):
             self._context.moved.follow(q)
             self._goal.put(self._context.moved.q, followed=True)
 
-    # Of the robot, on any thread.
+    # Calls of the robot, on any thread.
 
     def show_joints(self, positions: Mapping[str, float]) -> None:
         """Draw the robot with its joints there (rad or m, by name)."""
@@ -179,7 +179,7 @@ class LiveLayer(LivePage):
         self._context.move_base(T)
 
     def _show_fingers(self, positions: Mapping[str, float]) -> None:
-        """Give the goal the fingers of the robot, if they have moved."""
+        """Set the goal's fingers to those of the robot, if they have moved."""
         gripper = self._robot.gripper
         names = () if gripper is None else [joint.name for joint in gripper.joints]
         fingers = {name: positions[name] for name in names if name in positions}
@@ -191,7 +191,7 @@ class LiveLayer(LivePage):
         """Say what is wrong with the joint states; empty for nothing."""
         super().show_state(text)
         if text:
-            # Where the robot is, nobody knows: the goal is all that there is.
+            # The robot's position is unknown: only the goal is shown.
             self._leave_behind(False)
 
     def show_servo(self, state: ServoState | None) -> None:

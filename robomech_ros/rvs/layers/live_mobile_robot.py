@@ -43,7 +43,7 @@ class LiveMobileRobotLayer(LivePage):
         self._table = context.units.html(context.server.gui, order=0.5)
         robot.begin(self)
 
-    # Of the page, on its thread.
+    # Calls of the page, on its thread.
 
     def show(self) -> None:
         """Show trail and feet."""
@@ -63,7 +63,7 @@ class LiveMobileRobotLayer(LivePage):
         self._table.content = fact_table("feet", [*gait, *stance.support.facts(text)])
 
     def controls(self, client: Any) -> Controls:
-        """Give the browser that commands its controls."""
+        """Add the controls to the commanding browser."""
         self._commander = client.client_id
         return AllControls([super().controls(client), *self._pads])
 
@@ -91,7 +91,7 @@ class LiveMobileRobotLayer(LivePage):
         folder.button("Move trunk", self._move_trunk, hint)
         folder.button("Level trunk", self._level_trunk)
 
-    # Of the controls, on threads of the server.
+    # Calls of the controls, on threads of the server.
 
     def _choose_gait(self, value: Any) -> None:
         if value == "":
@@ -120,7 +120,7 @@ class LiveMobileRobotLayer(LivePage):
             slider.value = 0.0
         self._robot.move_trunk([0.0] * len(self._sliders))
 
-    # Of the robot, on any thread.
+    # Calls of the robot, on any thread.
 
     def show_pose(self, positions: Mapping[str, float], place: NDArray[Any]) -> None:
         """Draw the robot with its joints there (rad or m), at x, y (m) and heading (rad)."""

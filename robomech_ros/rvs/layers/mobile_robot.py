@@ -41,7 +41,7 @@ class MobileRobotLayer(Layer):
 
     @property
     def moves(self) -> bool:
-        """Whether the robot goes on in periods, on the thread of the page."""
+        """True if the robot goes on in periods, on the thread of the page."""
         return self._ticker.is_on
 
     def show(self) -> None:
@@ -97,7 +97,7 @@ class MobileRobotLayer(Layer):
         """Move on to now; where nobody looks any more, stop."""
         robot, now = self._robot, time.monotonic()
         steps, most = int((now - self._stepped) / robot.period), int(MOST / robot.period)
-        # What was missed for long is not made up for.
+        # Steps missed for long are dropped.
         self._stepped = now if steps > most else self._stepped + steps * robot.period
         if not self._context.server.get_clients():
             self._follows = False

@@ -74,7 +74,7 @@ class MotionLayer(Layer):
         self._last = 0.0
         self._ticker = Ticker("player", BEAT, partial(context.run, "beat", self._step))
 
-    # What the page calls.
+    # Calls of the page.
 
     def show(self) -> None:
         """Follow the plan of the page."""
@@ -157,7 +157,7 @@ class MotionLayer(Layer):
         self._ticker.close()
         self._worker.close()
 
-    # What the controls ask for, each on the thread of the page.
+    # Requests of the controls, each on the thread of the page.
 
     def _choose(self, what: str, value: str) -> None:
         chosen = {"way": self.path_kind, "profile": self.profile, what: value}
@@ -236,7 +236,7 @@ class MotionLayer(Layer):
     def _choose_traces(self) -> None:
         self._scene.show(self._plan, self.sweep, [k for k, chosen in self.traced.items() if chosen])
 
-    # What happens inside.
+    # Internal steps.
 
     @property
     def _ways(self) -> tuple[str, ...]:

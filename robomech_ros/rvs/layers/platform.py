@@ -18,7 +18,7 @@ from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.twist_nodes import TwistNodes
 from robomech_ros.spatial.arrays import as_choice
 
-# What can be shown, and its label.
+# Switches, and their labels.
 LABELS = {"numbers": "numbers", "arrows": "singular directions"}
 LOST, FREE = ((225, 40, 45), (190, 50, 190)), ((20, 130, 60), (20, 150, 170))
 WEAKEST = ((235, 165, 60), (190, 140, 220))

@@ -1,4 +1,4 @@
-"""How far the platform of a parallel robot gets with its orientation, and what ends it."""
+"""Range of a platform with its present orientation, and the limbs that end it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from robomech_ros.rvs.page.mesh_nodes import add_mesh
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.tables import SMALL
 
-# What can be shown, and its hint.
+# Switches, and their hints.
 LABELS = {
     "positions": (
         "Positions of the platform with its present orientation, in the colour of what ends them"

@@ -48,7 +48,7 @@ class RecordingLayer(Layer):
         self.notice()
 
     def controls(self, client: Any) -> Controls:
-        """Give the browser that commands the folder Keep."""
+        """Add the folder Keep to the commanding browser."""
         self._client, self.written = client, ""
         folder = super().controls(client)
         # Later its address says only where this browser left the arm.
@@ -78,10 +78,10 @@ class RecordingLayer(Layer):
         self._worker.close()
 
     def notice(self) -> None:
-        """Have the address follow what is seen."""
+        """Update the address with the present view."""
         self._ticker.start()
 
-    # What the controls ask for, on the thread of the page.
+    # Requests of the controls, on the thread of the page.
 
     def record_or_end(self) -> None:
         """Begin a recording, or end it and show it as the plan."""
@@ -109,7 +109,7 @@ class RecordingLayer(Layer):
     def restore(self, text: str, client: Any) -> None:
         """Show what a text says, or refuse it as a whole."""
         context = self._context
-        # What is refused does not stay in the address.
+        # A rejected state does not stay in the address.
         self.written = ""
         state = state_from_text(text, context.chain.n, tuple(context.switched()))
         context.arm.move_to(context.arm.checked(state.q))
@@ -117,7 +117,7 @@ class RecordingLayer(Layer):
             context.switch(what, shown)
         client.camera.position, client.camera.look_at = state.eye, state.at
 
-    # What happens inside.
+    # Internal steps.
 
     def _end(self) -> None:
         try:

@@ -39,9 +39,9 @@ from robomech_ros.typing import Array
 
 # Colours of the bar of a legend.
 STEPS = 9
-# What can be shown, and its label.
+# Switches, and their labels.
 LABELS = {"boundary": "boundary", "reach_map": "reach map", "cut": "cut open"}
-# What stands around the robot, and so around an eye that is near it.
+# Switches that surround the robot, and so a camera near it.
 AROUND = ("boundary", "reach_map")
 # So many joints take any orientation somewhere.
 ALL_ORIENTATIONS = 6
@@ -93,7 +93,7 @@ class WorkspaceLayer(Layer):
         context.extents["workspace"] = self._extent
         self._switches = Switches(context, LABELS, self._on, self._switched)
 
-    # What a page calls.
+    # Calls of the page.
 
     def show(self) -> None:
         """Follow the arm."""
@@ -108,7 +108,7 @@ class WorkspaceLayer(Layer):
             fit_view(self._context, self._client)
 
     def controls(self, client: Any) -> Controls:
-        """Give a browser the folder "Workspace"."""
+        """Add the folder "Workspace" to a browser."""
         self._client, self._around_eye = client, False
         self._drawn.pop("plot", None)
         return super().controls(client)
@@ -143,7 +143,7 @@ class WorkspaceLayer(Layer):
         self._mapper.close(wait=False)
         super().close()
 
-    # What browsers ask for.
+    # Requests of browsers.
 
     def _choose(self, name: str, values: tuple[str, ...], value: Any) -> None:
         setattr(self._chosen, name, as_choice(name, value, values))
@@ -197,7 +197,7 @@ class WorkspaceLayer(Layer):
         if self._running:
             self._running, self._said = False, ""
 
-    # What takes time, on threads of this layer.
+    # Slow work, on threads of this layer.
 
     def _found(self) -> tuple[SectionView | None, str]:
         try:
@@ -233,7 +233,7 @@ class WorkspaceLayer(Layer):
             self._said, self._running = text, running
             self._map = found or self._map
 
-    # What is shown, on the thread of the page.
+    # Drawing, on the thread of the page.
 
     def _show_boundary(self) -> None:
         view = self._view

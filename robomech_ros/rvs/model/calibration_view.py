@@ -1,4 +1,4 @@
-"""A hand-eye calibration as it is drawn: samples, target, sensor, and how well that is known."""
+"""Drawing of a hand-eye calibration: samples, target, sensor, and its uncertainty."""
 
 import math
 
@@ -17,16 +17,16 @@ CHI_SQUARE_95 = 7.8147
 AXES, DEPTH, PLATE, LONGEST = 0.08, 0.2, 0.2, 0.15
 # Half the opening of the frustum across and along, as parts of its length.
 OPENING = (0.5, 0.375)
-# Distance between sensor and target where there is none to be seen (m).
+# Default distance between sensor and target (m).
 NO_DISTANCE = 0.2
-# Thickness that an ellipsoid has at least, of its longest axis: a flat one could not be seen.
+# Least thickness of an ellipsoid over its longest axis: a flat one would be invisible.
 FLAT = 0.02
 RED, GREEN, BLUE = (0.85, 0.15, 0.15, 1.0), (0.1, 0.6, 0.2, 1.0), (0.15, 0.35, 0.9, 1.0)
 SENSOR, ELLIPSOID, TARGET = (0.1, 0.45, 0.85, 1.0), (0.95, 0.55, 0.1, 0.45), (0.3, 0.3, 0.35, 0.8)
 TEXT: Rgba = (0.1, 0.1, 0.1, 1.0)
 NO_POINTS = np.empty((0, 3))
 UNSOLVED: Rgba = (0.5, 0.5, 0.5, 1.0)
-# From the colour of a residual as the noise makes it to that of one three times as large.
+# Colours of a residual equal to the noise, and of one three times as large.
 GOOD, POOR, MOST = (0.1, 0.6, 0.25), (0.95, 0.65, 0.1), 3.0
 
 
@@ -57,7 +57,7 @@ def position_half_axes(result: HandEyeResult) -> tuple[Array, Array]:
 
 
 def drawing_factor(longest: float, room: float) -> float:
-    """Return how many times larger something is drawn: 1, 2, 5, 10, ... as there is room for.
+    """Return the scale of a drawing: 1, 2, 5, 10, ... as space allows.
 
     - ``longest``, ``room``: its size, and the largest size of the drawing (m).
     """
@@ -68,7 +68,7 @@ def drawing_factor(longest: float, room: float) -> float:
 
 
 def sample_markers(robot: Array, tracking: Array, base: str) -> list[ViewMarker]:
-    """Draw samples that are not solved: a frame of the hand, and a grey ball, for each.
+    """Draw unsolved samples, each as a frame of the hand and a grey ball.
 
     - ``robot``, ``tracking``: ``T_base_hand`` and ``T_sensor_target`` (m), shape (n, 4, 4).
     - ``base``: frame of the robot's base.
@@ -119,10 +119,7 @@ def calibration_markers(
 
 
 def calibration_facts(result: HandEyeResult) -> list[tuple[str, str]]:
-    """Write what was found, and the residuals of every sample, for people.
-
-    Returns pairs of a name and its fact.
-    """
+    """Describe the result and the residuals of every sample, as pairs of name and fact."""
     x, y, z = result.sensor[:3, 3].tolist()
     half_axes, _ = position_half_axes(result)
     sizes = ", ".join(f"{1e3 * value:.3g}" for value in half_axes)

@@ -11,12 +11,12 @@ from robomech_ros.rvs.model.bodies.visual_model import VisualModel
 from robomech_ros.rvs.model.running.live_robot import ViewMarker
 from robomech_ros.typing import Array
 
-# From where a robot is seen at first, and how: less of a field than viser's own distorts less.
+# First direction and field of view: a narrower field than viser's distorts less.
 DIRECTION = (0.56, -0.72, 0.4)
 FIELD = math.radians(50.0)
-# Of a picture that is not known yet: no wider than it will be.
+# Width of an unknown picture: no wider than it will be.
 ASPECT = 1.0
-# Part of the picture that is filled, and the least size of what is looked at (m).
+# Filled fraction of the picture, and least size of the subject (m).
 FILLED, LEAST = 0.9, 0.02
 
 
@@ -49,7 +49,7 @@ def visible_points(seen: VisualModel, postures: Iterable[Mapping[str, float]]) -
 def marker_points(
     seen: VisualModel, markers: Iterable[ViewMarker], positions: Mapping[str, float]
 ) -> Array:
-    """Return where markers are, and the ends of their lines.
+    """Return the positions of markers, and the ends of their lines.
 
     - ``positions``: positions of the joints (rad or m).
 
@@ -84,7 +84,7 @@ def fitted_camera(
     back = np.array(DIRECTION if backwards is None else backwards, float)
     into = -back / np.linalg.norm(back)
     side = np.cross(into, [0.0, 0.0, 1.0])
-    # From straight above, any direction is across.
+    # Seen from straight above, any horizontal direction is across.
     side = np.array([1.0, 0.0, 0.0]) if np.linalg.norm(side) < 1e-6 else side
     side = side / np.linalg.norm(side)
     up = np.cross(side, into)

@@ -1,4 +1,4 @@
-"""A robot that is moved on a page: an arm by its tip, a platform, an object in a hand."""
+"""A robot that a page can move: an arm by its tip, a platform, an object in a hand."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 # Half the travel of sliders of turning joints without a limit (rad).
 OPEN_TURN = 2.0 * math.pi
-# A typed number may be beyond a limit by this much, rounding of what is shown (rad or m): fields
+# A typed number may exceed a limit by the rounding of shown values (rad or m): fields
 # have four decimals, or two of degrees.
 ROUNDING = 9e-5
 
@@ -50,7 +50,7 @@ class DraggableRobot(ABC):
     - ``units``: units of these joints, "rad" or "m".
     - ``state_joints``: names of the n joints of a posture.
     - ``home``: initial posture (rad or m), shape (n,).
-    - ``lists_postures``: whether postures are listed, of which one can be taken.
+    - ``lists_postures``: whether postures are listed for selection.
     - ``slider_noun``: name of a slider in errors.
     - ``room``: least side of the ground around the robot (m).
     """
@@ -94,7 +94,7 @@ class DraggableRobot(ABC):
         return self.positions_of(self.q)
 
     def positions_of(self, q: Array) -> dict[str, float]:
-        """Name the joints of a posture (n,)."""
+        """Return the joints of a posture (n,) by name."""
         return dict(zip(self.state_joints, q.tolist(), strict=True))
 
     @property
@@ -119,7 +119,7 @@ class DraggableRobot(ABC):
 
     @property
     def faulty_links(self) -> tuple[str, ...]:
-        """Links that are in the way of what was asked for."""
+        """Links that block the requested motion."""
         return ()
 
     def gizmo(self, scale: float) -> dict[str, Any]:
@@ -147,22 +147,22 @@ class DraggableRobot(ABC):
         """Take a posture (n,) (rad or m); a BadValueError if a joint is outside its limits."""
 
     def follow(self, q: Array) -> None:
-        """Be where a robot is, all joints (rad or m)."""
+        """Take all joint values of a robot (rad or m)."""
         self.move_to(q)
 
     def go_home(self) -> None:
-        """Go to where it began."""
+        """Return to the first posture."""
         self.follow(self._home)
 
     @abstractmethod
     def drag(self, T: ArrayLike) -> None:
-        """Bring the end to a pose (4, 4), in the base (m).
+        """Move the end to a pose (4, 4), in the base (m).
 
         Raises RobomechError: the matrix is not a pose, or the robot cannot take it and stays.
         """
 
     def release(self) -> None:
-        """Let go of the gizmo."""
+        """Release the gizmo."""
         return
 
     def take(self, number: int) -> None:
@@ -176,7 +176,7 @@ class DraggableRobot(ABC):
         self.move_to(known[int(number)])
 
     def self_motion(self) -> SelfMotionCurve | None:
-        """Return how it can move while its end stays; None if it cannot."""
+        """Return its self-motion at the present pose; None if there is none."""
         return None
 
     def slide(self, length: float) -> None:

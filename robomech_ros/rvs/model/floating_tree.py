@@ -1,4 +1,4 @@
-"""The tree of a robot in space: with joints that place its base and a body that it captures."""
+"""The tree of a robot in space, with joints that place its base and a captured body."""
 
 from dataclasses import replace
 
@@ -18,21 +18,21 @@ _PLACE = (
     *(("x", True, _X), ("y", True, _Y), ("z", True, _Z)),
     *(("yaw", False, _Z), ("pitch", False, _Y), ("roll", False, _X)),
 )
-# How far they may go (m), and their colours.
+# Range of these joints (m), and colours.
 _FAR = 1e4
 _COLOURS = {CRAFT: (0.75, 0.77, 0.8, 1.0), CAPTURED: (0.83, 0.62, 0.2, 1.0)}
 
 
 def floating_tree(robot: RobotDescription, base: Body, captured: Body) -> RobotDescription:
-    """Let a robot and a body float freely, each drawn as the box with its moments of inertia.
+    """Describe a robot and a body that float freely, each drawn as the box with its inertia.
 
     Parameters
     ----------
     robot : RobotDescription
     base : Body
-        That carries it, in the frame of its root.
+        Body of the robot's base, in the frame of its root.
     captured : Body
-        In its own frame.
+        Captured body, in its own frame.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def free_joints(name: str, poses: Array) -> dict[str, Array]:
 
 
 def _nothing() -> str:
-    """Write a visual that nobody sees: links without one get bodies as long as their slides."""
+    """Write an invisible visual: links without one get bodies as long as their slides."""
     return visual("sphere", {"radius": 1e-4}, (0.0, 0.0, 0.0, 0.0))
 
 

@@ -14,7 +14,7 @@ from robomech_ros.typing import Array, BoolArray
 
 Rgb = tuple[int, int, int]
 
-# Colours of postures that are told apart on light and dark ground (0 to 255).
+# Colours of postures for light and dark backgrounds (0 to 255).
 PALETTE: tuple[Rgb, ...] = (
     (31, 119, 180),
     (230, 120, 20),
@@ -29,16 +29,16 @@ PALETTE: tuple[Rgb, ...] = (
     (190, 140, 80),
     (90, 140, 110),
 )
-# What a ghost's drums and bars measure across of those of the robot, so that a body hides the ghost
-# in it; along, they are less short by this part.
+# Width of a ghost's drums and bars relative to the robot's, so that a body hides the ghost
+# in it; their length is reduced by this fraction of that.
 RADIUS_SCALE, ALONG = 0.8, 0.2
-# Pieces of two ghosts that are apart by less than this part of their radius are drawn as one: two
-# surfaces at one place show as patches.
+# Pieces of two ghosts nearer than this fraction of their radius are drawn as one: two
+# coincident surfaces show as patches.
 SAME, NOTHING = 0.02, 1e-6
 
 
 class GhostPieces(NamedTuple):
-    """Cylinders of unit radius and length along z, and how they are placed."""
+    """Cylinders of unit radius and length along z, with their poses and scales."""
 
     #: Positions in the base (m), shape (m, 3).
     positions: Array
@@ -55,17 +55,17 @@ class GhostMaker(Protocol):
 
     @property
     def pieces(self) -> int:
-        """How many pieces a ghost has."""
+        """Number of pieces of a ghost."""
 
     def placed(self, postures: Sequence[Array], colours: Sequence[Rgb]) -> GhostPieces:
         """Place the pieces of ghosts in postures (n,), one colour each, one ghost after another."""
 
     def middles(self, postures: Sequence[Array]) -> Array:
-        """Return where numbers are written (k, 3), in the base (m)."""
+        """Return the positions of labels (k, 3) in the base (m)."""
 
 
 class Ghosts:
-    """The pieces of an arm, for as many postures as there are.
+    """The pieces of an arm, for any number of postures.
 
     - ``shapes``: generated shapes of its links.
     - ``radius_scale``: factor of all radii; one of two ghosts in the same posture is thinner.
@@ -93,16 +93,16 @@ class Ghosts:
 
     @property
     def pieces(self) -> int:
-        """How many pieces a ghost has."""
+        """Number of pieces of a ghost."""
         return len(self._link)
 
     def middles(self, postures: Sequence[Array]) -> Array:
-        """Return where numbers are written (k, 3), in the base (m): at the middle of the arm."""
+        """Return the positions of labels (k, 3) in the base (m), at the middle of the arm."""
         poses: Array = link_poses(self._chain, np.array(postures), [self._labelled])
         return np.asarray(poses[:, 0, :3, 3])
 
     def placed(self, postures: Sequence[Array], colours: Sequence[Rgb]) -> GhostPieces:
-        """Place the pieces of ghosts; a piece that lies where an earlier ghost has it is hidden."""
+        """Place the pieces of ghosts; a piece equal to one of an earlier ghost is hidden."""
         if not len(postures) or not self.pieces:
             return placed_pieces(np.empty((0, 4, 4)), np.empty((0, 3)), (), 0)
         poses = link_poses(self._chain, np.array(postures), self._links)
@@ -111,11 +111,11 @@ class Ghosts:
         return placed_pieces(T, scales, colours, self.pieces)
 
     def _is_again(self, T: Array) -> BoolArray:
-        """Tell which pieces, at T (count, pieces, 4, 4), lie where an earlier ghost has them."""
+        """Return a mask of pieces, at T (count, pieces, 4, 4), equal to those of earlier ghosts."""
         middles, axes = T[..., :3, 3], T[..., :3, 2]
         radius, length = self._scale[:, 0], self._scale[:, 2]
         shift = np.linalg.norm(middles[:, None] - middles, axis=-1)
-        # A cylinder is the same the other way round.
+        # A cylinder is the same upside down.
         tilt = np.linalg.norm(np.cross(axes[:, None], axes), axis=-1)
         same = shift + 0.5 * length * tilt < SAME * radius
         return np.tril(np.moveaxis(same, -1, 0), -1).any(axis=-1).T

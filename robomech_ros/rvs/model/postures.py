@@ -14,18 +14,18 @@ from robomech_ros.kinematics.inverse.result.status import Status
 from robomech_ros.robots import SerialChain
 from robomech_ros.typing import Array
 
-# Of the self-motion of a redundant arm so many samples are shown; no other arm has more postures.
+# Number of shown samples of a self-motion; no other arm has more postures.
 MOST_POSTURES = 16
 # The nearest posture that is found from the present one is shown as long as no other misses the
 # pose by less than this part of it: it moves steadily while the pose is dragged.
 STEADY = 0.95
-# Nearer to the present posture than this a posture is that one (rad or m).
+# Largest distance of a posture from an equal present one (rad or m).
 HERE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Posture:
-    """One posture in which the tip takes a pose."""
+    """One posture of the tip at a pose."""
 
     #: Joint values (rad or m), shape (n,).
     q: Array
@@ -40,13 +40,13 @@ class Posture:
 
     @property
     def is_here(self) -> bool:
-        """Whether it is the present posture."""
+        """True if it is the present posture."""
         return self.distance < HERE
 
 
 @dataclass(frozen=True, eq=False)
 class PoseStudy:
-    """All that is shown of one pose.
+    """Displayed results for one pose.
 
     - ``position_error``, ``orientation_error``: deviation of the nearest posture from the pose (m,
       rad); 0 if a posture takes it.
@@ -76,7 +76,7 @@ class PoseStudy:
 
     @property
     def sentence(self) -> str:
-        """How many postures there are, or why none, for people."""
+        """Sentence on the number of postures, or the reason for none."""
         if self.text is not None:
             return self.text
         if not self.postures:
@@ -97,12 +97,12 @@ def pose_summary(
     postures: tuple[Posture, ...] = (),
     complete: bool = True,
 ) -> PoseStudy:
-    """Return the study of a pose of which the robot itself says a sentence."""
+    """Return the study of a pose, with a sentence of the robot."""
     return PoseStudy(target, postures, complete, status, "", text=text)
 
 
 def study_pose(chain: SerialChain, T: Array, present: Array) -> PoseStudy:
-    """Find every posture of an arm at a pose, or why there is none and what is nearest.
+    """Find every posture of an arm at a pose, or the nearest one and the reason.
 
     - ``present``: present posture of the arm (rad or m), inside its limits, shape (n,).
     """
@@ -118,7 +118,7 @@ def _postures(result: InverseKinematicsResult) -> tuple[Posture, ...]:
     columns = (result.branches, result.seed_distance, result.limit_margin, result.condition_number)
     found: list[Posture] = []
     for q, name, *numbers in zip(result.q, *columns, strict=True):
-        # A sample of a self-motion may be there twice, and only once with its name.
+        # A sample of a self-motion may appear twice, and only once with its name.
         again = next((k for k, one in enumerate(found) if np.abs(q - one.q).max() < HERE), None)
         if again is None:
             found.append(Posture(q, name, *map(float, numbers)))

@@ -10,7 +10,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.typing import Array
 
 LONGEST = 2000
-# The eye is so near (m), and does not look along the vertical nearer than this (sine).
+# Largest distance of the camera (m), and least angle of its direction to the vertical (sine).
 FARTHEST_EYE, STEEPEST = 1e4, 1e-4
 _FORM = "q:...;eye:x,y,z;at:x,y,z;show:..."
 
@@ -66,7 +66,7 @@ def state_from_text(text: str, joints: int, names: Sequence[str]) -> ViewState:
 
 
 def _written(values: Array, digits: int) -> str:
-    # Minus nought is nought.
+    # Write -0 as 0.
     return ",".join(f"{round(float(value), digits) + 0.0:.{digits + 2}g}" for value in values)
 
 

@@ -137,7 +137,7 @@ class WorldView:
 
 
 def _without_own_pairs(scene: PlanningScene) -> PlanningScene:
-    """Return a scene in which links, and what they carry, are not compared with each other."""
+    """Return a scene without checks among links and their attached objects."""
     bare = scene.copy()
     own = [name for name in bare.bodies if name not in bare.objects or bare.objects[name].link]
     for first, second in combinations(own, 2):
@@ -146,7 +146,7 @@ def _without_own_pairs(scene: PlanningScene) -> PlanningScene:
 
 
 class MotionVerdict(NamedTuple):
-    """Whether a motion is free of contact, in a sentence, and whether that is a warning."""
+    """Sentence on the contacts of a motion, and whether it is a warning."""
 
     sentence: str
     warns: bool

@@ -63,12 +63,12 @@ class PageClients:
             return False
         self.commander = None
         self._notify_watchers(_NOBODY)
-        # What computes for it ends, too.
+        # Its computations end, too.
         self.withdraw()
         return True
 
     def give_command(self, number: int) -> None:
-        """Let a browser command, and the one that did watch."""
+        """Pass command to a browser; the previous one watches."""
         client = self._clients.get(number)
         if client is None or number == self.commander:
             return
@@ -86,13 +86,13 @@ class PageClients:
             controls.remove()
 
     def renew(self) -> None:
-        """Give the browser that commands new controls."""
+        """Renew the controls of the commanding browser."""
         self.withdraw()
         if self.commander is not None:
             self._equip(self._clients[self.commander])
 
     def _equip(self, client: Any) -> None:
-        """Let a browser command; where its controls cannot be made, nobody does."""
+        """Pass command to a browser, or to none if its controls cannot be made."""
         try:
             self._controls = self._make_controls(client)
         except Exception:

@@ -28,15 +28,15 @@ _LEGEND = "<b style='color:{colour}'>&#9473;</b> {name} = 0"
 class Owner(Protocol):
     """Whose curves they are."""
 
-    # What a root is called, with its article and in the plural.
+    # Name of a root, with its article and in the plural.
     root: str
     roots: str
 
     def compute(self, kind: Hashable, request: Request) -> None:
-        """Have something done that takes time, on one thread; of a kind, the latest."""
+        """Run a slow request on one thread; a newer one of its kind replaces it."""
 
     def present(self, kind: Hashable, request: Request) -> None:
-        """Have something done on the thread of the page; of a kind, the latest."""
+        """Run a request on the thread of the page; a newer one of its kind replaces it."""
 
     def problem(self, pair: tuple[int, int]) -> CurveProblem | None:
         """Return what is drawn, for two equations; None for nothing; called in ``compute``."""
@@ -122,7 +122,7 @@ class CurveView:
         self._here = point
         self._owner.compute("here", lambda: self._present(None))
 
-    # What takes time, on one thread.
+    # Slow work, on one thread.
 
     def _draw(self) -> None:
         self._found, self._path, self._problem = [], None, None
@@ -174,7 +174,7 @@ class CurveView:
         self._present(self._legend() + small_text([text]))
 
     def _present(self, text: str | None, take: Request | None = None) -> None:
-        """Have the picture shown, with another text unless it is None."""
+        """Show the picture, with another text unless it is None."""
         picture = "" if self._problem is None else self._picture(self._problem)
 
         def shown() -> None:

@@ -60,7 +60,7 @@ class EquationsPage(ServedPage):
 
         self._view.draw()
 
-    # What the view of the curves calls.
+    # Calls of the view of the curves.
 
     def compute(self, kind: Hashable, request: Callable[[], None]) -> None:
         """Do something on the thread of this page."""

@@ -74,7 +74,7 @@ class GhostNodes:
         ]
 
     def on_click(self, taken: Callable[[Any, int], None]) -> None:
-        """Have something done when a ghost is clicked: it gets the client and the number."""
+        """Call a function for a clicked ghost, with the client and the number."""
 
         @self._batch.node.on_click
         async def _(event: Any) -> None:

@@ -24,7 +24,7 @@ Robot = TypeVar("Robot", bound=DraggableRobot)
 
 
 class Ask(Protocol):
-    """Has something done on the thread of the page, and shows what came of it."""
+    """Runs requests on the thread of the page, and shows their results."""
 
     def __call__(self, kind: Hashable, request: Callable[[], None], source: object = None) -> None:
         """Ask; returns at once.
@@ -174,7 +174,7 @@ class Layer:
         """Follow the robot, which may have moved; cheap if nothing of the layer is shown."""
 
     def controls(self, client: Any) -> Controls:
-        """Give the browser that commands (viser.ClientHandle) a folder of controls."""
+        """Add a folder of controls to the commanding browser (viser.ClientHandle)."""
         self._folder = folder = self._add_folder(
             client.gui, self.label, self.order, expanded=self.expanded
         )
@@ -203,7 +203,7 @@ class Layer:
 
     @property
     def is_open(self) -> bool:
-        """Whether a browser has the folder."""
+        """True if a browser has the folder."""
         return self._folder is not None and not self._folder.removed
 
     @cached_property
@@ -211,7 +211,7 @@ class Layer:
         return Worker()
 
     def ask(self, kind: Hashable, request: Callable[..., None], *arguments: Any) -> None:
-        """Have a request done on the thread of the page, with these arguments."""
+        """Run a request on the thread of the page, with these arguments."""
         self._context.ask((self, kind), partial(request, *arguments))
 
     def find(self, kind: Hashable, search: Callable[[], Any], take: Callable[[Any], None]) -> None:

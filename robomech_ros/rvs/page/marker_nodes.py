@@ -34,7 +34,7 @@ class MarkerNodes:
         colour = tuple(round(255 * part) for part in marker.colour[:3])
         where = placed(marker.pose)
         if marker.kind == "text":
-            # Of one size on the screen: what is far away is read, too.
+            # Constant size on the screen, so that distant labels are legible, too.
             place = where["position"]
             return self._scene.add_label(path, marker.text, position=place, anchor="bottom-left")
         if marker.kind == "lines":

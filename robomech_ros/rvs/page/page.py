@@ -21,7 +21,7 @@ from robomech_ros.rvs.page.units import Units
 from robomech_ros.rvs.serving.server import ServedPage, guarded_server
 from robomech_ros.rvs.serving.worker import Worker
 
-# What is where the arm was brought last.
+# Switches of items at the last set pose of the arm.
 WITH_THE_ARM = ("ghosts", "gizmo")
 
 
@@ -68,7 +68,7 @@ class RobotPage(ServedPage):
 
     @property
     def browsers(self) -> int:
-        """How many browsers show the page."""
+        """Number of browsers that show the page."""
         return len(self._server.viser.get_clients())
 
     def close(self) -> None:
@@ -116,7 +116,7 @@ class RobotPage(ServedPage):
         self._layers = [make(context) for make in self._makers]
         self._stage.show(arm, ())
 
-    # What browsers ask for, on threads of the server.
+    # Requests of browsers, on threads of the server.
 
     async def _connected(self, client: Any) -> None:
         self._worker.submit(("came", client.client_id), lambda: self._audience.came(client))
@@ -150,7 +150,7 @@ class RobotPage(ServedPage):
         self._ask("drag", lambda: self._arm.drag(T()))
 
     def release(self) -> None:
-        """Let go of the gizmo."""
+        """Release the gizmo."""
         self._ask("release", self._arm.release)
 
     def take(self, text: str) -> None:
@@ -167,7 +167,7 @@ class RobotPage(ServedPage):
         self._ask("home", self._arm.go_home)
 
     def show(self, what: str, shown: bool) -> None:
-        """Show a part of the scene, or not; and the page of who commands dark, or light."""
+        """Show or hide a part of the scene; set the commanding browser dark or light."""
         self._worker.submit(("show", what), lambda: self._switch(what, shown))
 
     def replace(self, description: RobotDescription, chain: SerialChain) -> None:
@@ -187,7 +187,7 @@ class RobotPage(ServedPage):
         """Show no plan any more."""
         self._ask("plan", self._plan.forget)
 
-    # What is done, on the thread of the worker.
+    # Work, on the thread of the worker.
 
     def _show_plan(self, motion: Motion, name: str) -> None:
         # Another robot may have come meanwhile.
@@ -218,7 +218,7 @@ class RobotPage(ServedPage):
         return {**self._switches, "dark": browser in self._dark}
 
     def _switched(self) -> dict[str, bool]:
-        """Return what can be shown, that of layers, too, and whether who commands is shown it."""
+        """Return all switches, those of layers too, and their states in the commanding browser."""
         offered = {what: switch.is_on() for what, switch in self._offered.items()}
         return {**self._shown_to(self._audience.commander), **offered}
 

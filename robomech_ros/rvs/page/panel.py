@@ -17,7 +17,7 @@ from robomech_ros.spatial import pose_from_position_quaternion
 # Size of the gizmo in reaches of the robot.
 GIZMO = 0.28
 HINT = "drag to move"
-# What can be shown, and whether it is at first.
+# Switches, and their first states.
 AT_FIRST = {
     "ghosts": True,
     "frames": False,
@@ -134,7 +134,7 @@ class Panel:
 
         @gizmo.on_update
         async def _(event: Any) -> None:
-            # What the page sends after the end was on its way before.
+            # Messages after the end were on their way before.
             if event.phase == "start":
                 self._held, self._hint.visible = True, False
             elif event.phase == "end":

@@ -20,7 +20,7 @@ AXIS_LENGTH, AXIS_RADIUS = 0.3, 0.0035
 AXIS_COLOUR = (250, 200, 30)
 # Opacity of bodies that hide what is inside them.
 FADED = 0.3
-# Of bodies that are in the way.
+# Colour of bodies that block a motion.
 MARKED = (220, 40, 40)
 
 
@@ -45,7 +45,7 @@ class RobotNodes:
         self._marked: frozenset[str] = frozenset()
         self._add_links(scene)
         self._add_bodies(scene)
-        # Of the joints that move, in their order: nodes, and where they were put.
+        # Nodes of the moving joints, in order, and their last poses.
         self._moved = [self._nodes[joint.child] for joint in seen.moving]
         self._places = np.full((len(self._moved), 3), np.nan)
         self._turns = np.full((len(self._moved), 4), np.nan)

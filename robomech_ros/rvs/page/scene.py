@@ -20,7 +20,7 @@ from robomech_ros.typing import Array
 # The node at the base of the arm, in which its poses are.
 BASE = "/base"
 NEAREST_COLOUR = (120, 120, 120)
-# Where the arm is to go, beside a robot that is elsewhere: red, green, blue and alpha.
+# Colour of the goal of an arm that is elsewhere: red, green, blue and alpha.
 GOAL_ROOT, GOAL_TINT = "/goal", (1.0, 0.55, 0.1, 0.4)
 
 

@@ -14,10 +14,7 @@ MOST_SQUARES = 12
 
 
 def add_surroundings(server: Any, reach: float) -> Any:
-    """Add ground and lights to a scene.
-
-    Returns the ground (viser.GridHandle).
-    """
+    """Add ground and lights to a scene; return the ground (viser.GridHandle)."""
     scene = server.scene
     scene.configure_environment_map(None)
     scene.configure_default_lights(cast_shadow=False)
@@ -40,14 +37,14 @@ def add_surroundings(server: Any, reach: float) -> Any:
 
 
 def place_camera(server: Any, points: Array) -> None:
-    """Let pages begin where points (k, 3) (m) fill the picture."""
+    """Set the first view of pages so that points (k, 3) (m) fill the picture."""
     eye, camera = fitted_camera(points), server.initial_camera
     camera.fov = FIELD
     camera.position, camera.look_at = eye.position, eye.look_at
 
 
 def fit_camera(client: Any, points: Array) -> None:
-    """Let points (k, 3) (m) fill a browser (viser.ClientHandle), seen from where it looks now."""
+    """Fill a browser (viser.ClientHandle) with points (k, 3) (m) from its present direction."""
     camera = client.camera
     backwards = camera.position - camera.look_at
     eye = fitted_camera(points, fov=camera.fov, aspect=camera.aspect, backwards=backwards)

@@ -16,7 +16,7 @@ from robomech_ros.spatial import roll_pitch_yaw_from_matrix
 # Label of the text field with which a posture is taken; rows of the table write into it.
 TAKE = "Take posture"
 
-# Of texts in folders.
+# Style of texts in folders.
 SMALL = "font-size:0.8em;line-height:1.4;padding:0 0.85em 0.4em;font-variant-numeric:tabular-nums"
 STYLE = "font-size:0.8em;line-height:1.35;padding:0 0.85em 0.4em;font-variant-numeric:tabular-nums"
 WARN = "border-left:3px solid #d9480f;padding-left:0.6em;margin:0.3em 0"

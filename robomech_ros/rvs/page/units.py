@@ -70,7 +70,7 @@ class Units:
         return shown
 
 
-# Of what is written for no page.
+# Units of text outside pages.
 RADIANS = Units()
 
 

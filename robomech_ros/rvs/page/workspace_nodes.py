@@ -16,7 +16,7 @@ SURFACE_COLOUR, OPACITY = (60, 130, 200), 0.16
 ROLE_COLOURS = {"outer": (25, 95, 190), "inner": (205, 45, 45), "interior": (130, 130, 140)}
 # Thickness of curves, in reaches, and sides of the cubes at points, in distances between these.
 THICKNESS, CUBE = 0.004, 0.3
-# What lights leave of a colour is more than the colour; cubes are to look as their legend does.
+# Lights brighten a colour; cubes must look like their legend.
 DIMMED = 0.6
 
 
@@ -33,7 +33,7 @@ class WorkspaceNodes:
         self._curves: Any = None
         self._surface: Any = None
         self._points: Any = None
-        # What is shown, for the eye to hold it.
+        # The shown points, for the camera to hold them.
         self._outline, self._cloud = np.zeros((0, 3)), np.zeros((0, 3))
 
     @property

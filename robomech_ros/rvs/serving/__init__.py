@@ -1,1 +1,1 @@
-"""The server of the view: who may come in, what is let through, who commands."""
+"""The server of the view: access, message filter, and command."""

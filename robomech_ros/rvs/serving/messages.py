@@ -1,4 +1,4 @@
-"""Which messages of a page are let through: those that it has, with values that can be."""
+"""Filter of a page's messages: only those that it has, with possible values."""
 
 import sys
 from typing import Annotated, Any, Union
@@ -27,7 +27,7 @@ class _Value(Struct, forbid_unknown_fields=True):
 
 _NODE = {"name": _Text, "owner": _Text}
 _POSE = {"wxyz": _Quaternion, "position": _Vector}
-# What the page sends; whatever else viser knows is for other uses, such as its public tunnel.
+# Messages that the page sends; viser's others are for other uses, such as its public tunnel.
 _FIELDS: dict[str, dict[str, Any]] = {
     "GuiUpdateMessage": {"uuid": _Text, "updates": _Value},
     "SceneNodeClickMessage": {

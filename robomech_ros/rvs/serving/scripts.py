@@ -33,7 +33,7 @@ if (state) put();"""
 
 
 def save_picture(client: Any, name: str) -> None:
-    """Have a browser (viser.ClientHandle) save what is seen of the scene as a PNG file."""
+    """Make a browser (viser.ClientHandle) save its view of the scene as a PNG file."""
     _run(client, _PICTURE % json.dumps(name))
 
 
@@ -43,7 +43,7 @@ def keep_in_address(client: Any, state: str) -> None:
 
 
 def read_address_into(client: Any, label: str) -> None:
-    """Have a browser put the state of its address, if there is one, into the field of a label."""
+    """Make a browser copy the state of its address into the field of a label."""
     _run(client, _READ % json.dumps(label))
 
 

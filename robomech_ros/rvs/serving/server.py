@@ -30,7 +30,7 @@ FASTEST, BURST = 200.0, 100.0
 LOG_PERIOD, LONGEST_REASON = 10.0, 200
 
 _LOG = logging.getLogger(__name__)
-# Of messages to a browser that has just gone.
+# Log of messages to a disconnected browser.
 warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
 _CONSTRUCTION = threading.Lock()
 
@@ -190,7 +190,7 @@ class WakeUp(asyncio.Event):
         self._home = loop
 
     def set(self) -> None:
-        """Wake who waits; elsewhere than on the loop nothing is done."""
+        """Wake the waiting task; does nothing outside the loop."""
         try:
             at_home = asyncio.get_running_loop() is self._home
         except RuntimeError:
@@ -200,7 +200,7 @@ class WakeUp(asyncio.Event):
 
 
 def guard_wake_ups(server: Any) -> None:
-    """Give the senders of a server (viser.ViserServer) such events, before a browser comes."""
+    """Set such events in the senders of a server (viser.ViserServer), before a browser comes."""
     loop, websockets = server.get_event_loop(), server._websock_server
 
     def guard(sender: Any) -> None:

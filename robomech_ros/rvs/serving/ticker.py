@@ -15,12 +15,12 @@ class Ticker:
 
     @property
     def is_on(self) -> bool:
-        """Whether it ticks."""
+        """True if it ticks."""
         return self._on.is_set()
 
     @property
     def is_closed(self) -> bool:
-        """Whether it never ticks again."""
+        """True if it never ticks again."""
         return self._closing.is_set()
 
     def start(self) -> None:

@@ -30,7 +30,7 @@ class Worker:
             self._change.notify_all()
 
     def close(self, *, wait: bool = True) -> None:
-        """Give up what waits, and end after what is under way, for which it waits or does not."""
+        """Drop waiting jobs and end after the running one; wait for it or not."""
         with self._change:
             self._closing = True
             self._waiting.clear()
@@ -48,5 +48,5 @@ class Worker:
             try:
                 request()
             except Exception:
-                # The page goes on; whoever runs it reads why.
+                # The page goes on; the log says why.
                 _LOG.exception("a request of the page failed")

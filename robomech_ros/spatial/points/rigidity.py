@@ -1,4 +1,4 @@
-"""Whether points move like those of a rigid body, and how exact their angular velocity is."""
+"""Rigidity of moving points, and accuracy of their angular velocity."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Rigidity:
-    """How far the motion of points is from that of a rigid body.
+    """Deviation of the motion of points from that of a rigid body.
 
     Attributes
     ----------

@@ -25,7 +25,7 @@ from robomech_ros.typing import Array, ArrayLike
 
 _fit = direct(kernels.fit_tracks)
 
-# Of a motion with frequencies up to a few hertz, sampled at 100 Hz.
+# For a motion with frequencies up to a few hertz, sampled at 100 Hz.
 _WINDOW = 21
 _DEGREE = 4
 _MOST_DEGREE = 12

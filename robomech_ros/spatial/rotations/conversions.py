@@ -40,7 +40,7 @@ _NAMES: dict[str, int] = {
     + (27 if name.islower() else 0)
     for name in SEQUENCES
 }
-# What a rotation can be written as: the six by name, and Euler angles by their sequence.
+# Representations of a rotation: six by name, and Euler angles by their sequence.
 REPRESENTATIONS = tuple(_NAMES)
 _FOUR = (kinds.QUATERNION, kinds.AXIS_ANGLE, kinds.LINEAR_INVARIANTS)
 

@@ -255,7 +255,7 @@ def common_normal(first: ArrayLike, second: ArrayLike) -> CommonNormal:
     end = q + np.where(parallel, drop, back) * f
     way = end - start
     unit = normal / np.where(parallel, 1.0, sine)
-    # Of skew lines by projection: the difference of the feet loses digits where they are near.
+    # For skew lines by projection: the difference of the feet loses digits where they are near.
     apart = np.sum(between * unit, axis=-1, keepdims=True)
     aside = np.linalg.norm(way, axis=-1, keepdims=True)
     across = np.where(aside > 0.0, way / np.where(aside > 0.0, aside, 1.0), _any_normal(e))

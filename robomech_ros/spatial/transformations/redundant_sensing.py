@@ -32,7 +32,7 @@ _CLEARLY = 10.0
 
 @dataclass(frozen=True, eq=False)
 class SensorAgreement:
-    """Whether sensors agree on the motions that they see.
+    """Agreement of sensors on their measured motions.
 
     Attributes
     ----------
@@ -185,10 +185,7 @@ def _check_axes(r: Array, s: Array, differences: Array) -> None:
 
 
 def single_match(frames: Array, misfits: Array, freedom: int) -> int:
-    """Return the number of the frame that fits best, if it does so clearly.
-
-    `freedom` is how many numbers are left over to tell by.
-    """
+    """Return the number of the frame that clearly fits best, with `freedom` spare equations."""
     best = int(np.argmin(misfits))
     between = np.trace(frames @ frames[best].T, axis1=1, axis2=2)
     others = misfits[between < 1.0 + 2.0 * np.cos(_APART)]

@@ -164,7 +164,7 @@ def _division(size: int) -> Array:
 
 
 def _goes_above(pieces: Array, bounds: Array) -> BoolArray:
-    """Which of the pieces (d + 1, m) go over their bounds (m,)."""
+    """Find the pieces (d + 1, m) that exceed their bounds (m,)."""
     above = np.zeros(len(bounds), dtype=bool)
     owner = np.arange(len(bounds))
     for _ in range(_DIVISIONS):

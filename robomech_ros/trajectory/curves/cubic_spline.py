@@ -76,7 +76,7 @@ def cubic_spline(
     # The back is the front of the mirrored spline.
     mirrored = upper[::-1], diagonal[::-1], lower[::-1], right[::-1]
     _end_rows(ends, x[-1] - x[-2], s[::-1], -rates[1], mirrored)
-    from scipy.linalg.lapack import dgtsv  # 20 MB that only who makes splines shall load
+    from scipy.linalg.lapack import dgtsv  # 20 MB that only splines shall load
 
     second = np.asarray(dgtsv(lower, diagonal, upper, right)[3])
     if ends == "rest":

@@ -19,10 +19,7 @@ from robomech_ros.typing import Array, ArrayLike
 
 @dataclass(frozen=True, eq=False)
 class MotionToRest(PiecewiseMotion):
-    """A curve from t = 0 on that ends at rest exactly at its goal (n,), rad or m.
-
-    Its acceleration is continuous unless it says otherwise.
-    """
+    """A curve from t = 0 to rest exactly at its goal (n,), rad or m."""
 
     goal: Array
     pieces: PiecewisePolynomial

@@ -59,7 +59,7 @@ class PiecewisePolynomial:
 
     @cached_property
     def spans(self) -> Array:
-        """How long each segment lasts, in s, shape (s,)."""
+        """Durations of the segments (s), shape (s,)."""
         return self.breaks[1:] - self.breaks[:-1]
 
     def derivative(self, order: int) -> Array:
@@ -165,10 +165,7 @@ def chained(curves: Sequence[PiecewisePolynomial]) -> PiecewisePolynomial:
 
 
 def joined(curves: Sequence[PiecewisePolynomial]) -> PiecewisePolynomial:
-    """Put curves of the same joints one behind the other, each from t = 0 on.
-
-    Pieces so short that their ends are the same instant are left out.
-    """
+    """Concatenate curves of the same joints, each from t = 0 on; drop pieces without length."""
     starts = np.cumsum([0.0, *(curve.breaks[-1] for curve in curves)])
     breaks = [curve.breaks[:-1] + start for curve, start in zip(curves, starts, strict=False)]
     size = max(len(curve.coefficients) for curve in curves)

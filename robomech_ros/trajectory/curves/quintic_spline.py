@@ -92,7 +92,7 @@ def solve_block_tridiagonal(lower: Array, diagonal: Array, upper: Array, right: 
     Blocks have the shape (n, b, b), of which ``lower[0]`` and ``upper[n - 1]`` do not count; the
     right side and the solution (n, b, c).
     """
-    from scipy.linalg.lapack import dgbsv  # 20 MB that only who makes splines shall load
+    from scipy.linalg.lapack import dgbsv  # 20 MB that only splines shall load
 
     n, b, c = right.shape
     reach = 2 * b - 1  # diagonals above the main one, and below

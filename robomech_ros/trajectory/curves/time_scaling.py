@@ -31,7 +31,7 @@ def stretch_needed(curve: PiecewisePolynomial, limits: Limits) -> tuple[float, i
 def fitted(
     curve: PiecewisePolynomial, limits: Limits, duration: float | None = None
 ) -> PiecewisePolynomial:
-    """Let a curve last as short as its finite limits allow, or a wanted duration (s).
+    """Scale a curve to the shortest duration within finite limits, or to a desired one (s).
 
     Raises DurationTooShortError if the wanted duration would break a limit.
     """

@@ -31,7 +31,7 @@ _ANGLES = (np.arange(_TERMS) + 0.5) * np.pi / _TERMS
 _NODES = -np.cos(_ANGLES)
 _TO_COEFFICIENTS = np.cos(np.outer(np.arange(_TERMS), np.arccos(_NODES))) * (2.0 / _TERMS)
 _TO_COEFFICIENTS[0] *= 0.5
-# Where the speed is looked at: at the ends, and in between.
+# Samples of the speed: at the ends, and in between.
 _PROBED = np.linspace(-1.0, 1.0, 17)
 _PROBES = np.cos(np.outer(np.arange(_TERMS), np.arccos(_PROBED)))
 # The last coefficients, which tell how well the polynomial fits.
@@ -152,7 +152,7 @@ class ArcLengthCurve:
 
 
 def arc_length(curve: Curve) -> ArcLengthCurve:
-    r"""Give a curve its arc length as parameter.
+    r"""Reparametrise a curve by its arc length.
 
     .. math:: s(u) = \int_{u_0}^u |p'(v)|\, dv
 

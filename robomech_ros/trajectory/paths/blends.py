@@ -144,7 +144,7 @@ def _turns(directions: Array) -> Array:
 
 
 def _cuts(blend: Blend, half: Array, radius: float | None, deviation: float | None) -> Array:
-    """How much of both legs (m) blends take at corners that turn by 2 half (rad), shape (c,)."""
+    """Return the lengths (c,) (m) that blends take of both legs at corners of 2 half (rad)."""
     sine, cosine = np.sin(half), np.cos(half)
     if blend == "circular":
         reach = sine / cosine if radius is not None else sine / (1.0 - cosine)

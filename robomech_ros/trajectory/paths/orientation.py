@@ -25,7 +25,7 @@ from robomech_ros.typing import Array, ArrayLike
 # Turn (rad) of a moving frame within the least interval looked at that is a jump.
 TURN_STEP = 1e-3
 
-# Where the Frenet frame is looked at, in each part between breaks.
+# Samples of the Frenet frame in each part between breaks.
 _PLACES = 64
 
 
@@ -170,7 +170,7 @@ def geodesic_orientation(rotations: ArrayLike, knots: ArrayLike) -> PiecewiseRot
 
 
 def frenet_orientation(curve: Curve, offset: ArrayLike | None = None) -> FrenetOrientation:
-    """Let a tool go with the Frenet frame of a curve.
+    """Move a tool with the Frenet frame of a curve.
 
     Parameters
     ----------

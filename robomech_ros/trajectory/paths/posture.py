@@ -74,7 +74,7 @@ def posture(arm: Tracked, q: Array, place: PoseSample) -> Posture:
 
 
 def is_redundant(arm: Tracked, q: Array) -> bool:
-    """Whether an arm with joint values (n,) has more joints than a path holds freedoms."""
+    """Return whether an arm with joint values (n,) has more joints than a path holds freedoms."""
     if is_partial(arm):
         return len(q) > partial_rank(arm, len(q))
     return max(arm.joints) > 6 if isinstance(arm, JoinedArms) else len(q) > 6

@@ -1,4 +1,4 @@
-"""How far a joint path follows a pose path, and why not farther."""
+"""Part of a pose path that a joint path follows, and the reason for its end."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from typing import NamedTuple
 from robomech_ros.outcomes import Code
 from robomech_ros.trajectory.paths.joint_path import JointPath
 
-# What ends sooner than at this part of the path is no motion at all.
+# Least fraction of a path for a motion.
 _SHORTEST = 1e-6
 
 
 class PathTrackingStatus(Enum):
-    """How far a joint path follows a pose path, and why not farther."""
+    """Part of a pose path that a joint path follows, and the reason for its end."""
 
     COMPLETE = "complete", Code.NONE
     NO_START = "no posture at the start", Code.IK_LOST

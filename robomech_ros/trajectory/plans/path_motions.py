@@ -32,7 +32,7 @@ from robomech_ros.typing import Array, ArrayLike
 PATH_PROFILES = tuple(SECTION_TIMINGS)
 # A step of the second derivative along a path, in parts of the largest, that is no rounding.
 _SMOOTH = 1e-6
-# What slows a curve down is a limit of a joint if it comes as near to it as this part.
+# A joint limit slows a curve down if the curve comes within this fraction of it.
 _BINDING = 0.03
 
 
@@ -71,7 +71,7 @@ class PathMotion(MotionToRest):
 
     @property
     def reason(self) -> str:
-        """Why the path is not followed to its end, in words; empty if it is."""
+        """Reason why the path is not followed to its end; empty if it is."""
         return self.tracking.reason
 
 

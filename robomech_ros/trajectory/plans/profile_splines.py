@@ -25,7 +25,7 @@ from robomech_ros.typing import Array, ArrayLike
 
 _LAWS = {"poly345": POLY345, "poly4567": POLY4567, "cycloidal": CYCLOIDAL}
 _MOST_KNOTS = 1000
-# Where the deviation is looked at in each segment: halfway between so many equal parts.
+# Samples of the deviation in each segment: the middles of so many equal parts.
 _PARTS = 16
 
 

@@ -54,10 +54,7 @@ class Spline(PiecewiseMotion):
     pieces: PiecewisePolynomial
 
     def sample(self, t: ArrayLike) -> Sample:
-        """Sample positions and derivatives, (n,) or (m, n), at instants (s), () or (m,).
-
-        Outside the knots the joints rest.
-        """
+        """Sample positions and derivatives, (n,) or (m, n), at instants (s), at rest outside."""
         sample = sample_many(self.pieces, t)
         return settled(sample, t, self.pieces, self.points[-1]) if self.ends == "rest" else sample
 

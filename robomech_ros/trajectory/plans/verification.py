@@ -23,7 +23,7 @@ from robomech_ros.trajectory.tolerances import LIMIT_SLACK, POSITION_SLACK
 from robomech_ros.trajectory.waypoints import PiecewiseTrajectory, Waypoints
 from robomech_ros.typing import Array
 
-# Of piecewise polynomials, as they are documented.
+# Largest order of piecewise polynomials, as documented.
 _LARGEST_ORDER = 9
 
 
@@ -52,7 +52,7 @@ class Verification:
 
     @property
     def ok(self) -> bool:
-        """Whether nothing is wrong."""
+        """True if nothing is wrong."""
         return self.violation is None
 
     def require_ok(self) -> None:
@@ -148,7 +148,6 @@ def first_violation(
 
 
 def _checked_rates(rates: Sequence[Rate]) -> tuple[Rate, ...]:
-    """Check which rates are asked for."""
     if rates is RATES:
         return RATES
     given = listed("rates", rates, f"a list of {', '.join(RATES)}")

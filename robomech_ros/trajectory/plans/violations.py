@@ -44,7 +44,7 @@ class Violation:
 
     @property
     def amount(self) -> float:
-        """How far the value is from what is allowed."""
+        """Distance of the value from the allowed range."""
         return abs(self.value - self.limit)
 
     def __str__(self) -> str:

@@ -66,7 +66,7 @@ class JerkLimited:
     course: Phases | Any
 
     def __init__(self, start: Array, goal: Array, limits: Limits, course: Phases | Any) -> None:
-        # What a frozen dataclass does for this takes a tenth of the time of a whole plan.
+        # The initialisation of a frozen dataclass takes a tenth of the time of a plan.
         fields = self.__dict__
         fields["start"], fields["goal"] = start, goal
         fields["limits"], fields["course"] = limits, course
@@ -155,7 +155,7 @@ class JerkLimited:
         return settled(sample_many(self.pieces, t), t, self.pieces, self.goal)
 
     def __getstate__(self) -> dict[str, Any]:
-        # What Ruckig gives cannot be copied or stored, its phases can.
+        # Ruckig's result cannot be copied or stored, but its phases can.
         return vars(self) | {"course": self.phases}
 
 
@@ -214,7 +214,7 @@ def planned_between(
 def curve_of(
     phases: Phases, start: Array, goal: Array, final_velocity: Array
 ) -> PiecewisePolynomial:
-    """Let the phases begin at the start and end at the goal exactly.
+    """Shift the phases to start and goal exactly.
 
     Ruckig misses it by a part in 1e8 of the way at most, and the velocity there by less.  What is
     missing is made up by a quintic over the whole duration, where it is nothing; in the last step

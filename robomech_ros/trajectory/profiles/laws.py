@@ -37,7 +37,7 @@ class Rates(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """How the part of the way s that is done depends on the part of the time tau that is over.
+    """Travelled fraction s of a path as a function of the elapsed fraction tau of its time.
 
     The pieces are s(tau) as one joint; the ``peaks`` are the largest magnitudes of its first three
     derivatives.

@@ -59,7 +59,7 @@ class RestToRest(StraightMotion):
         self._set(first, last, lasting)
 
     def _set(self, start: Array, goal: Array, duration: float) -> None:
-        # What a frozen dataclass does for this takes a sixth of the time of a whole plan.
+        # The initialisation of a frozen dataclass takes a sixth of the time of a plan.
         fields = self.__dict__
         fields["start"], fields["goal"], fields["duration"] = start, goal, duration
 

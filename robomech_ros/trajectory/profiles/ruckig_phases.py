@@ -34,7 +34,7 @@ _RUCKIG_MISS = 1e-8
 _TIE_BREAK, _TIED = 1e-12, ("max_jerk", "max_acceleration", "max_velocity")
 # Breaks nearer to each other than this, in parts of the duration, are one.
 _SAME_BREAK = 2e-15
-# What rounding may add to the peaks of a joint whose limits another joint's course just meets.
+# Rounding of the peaks of a joint whose limits another joint's course just meets.
 _SAME_LIMIT = 1e-12
 
 # Phases of one joint: when each begins (p,), and [q, v, a, jerk] there (p, 4).
@@ -62,7 +62,7 @@ class Phases:
         return float(self.breaks[-1])
 
     def slowed(self, factor: float) -> "Phases":
-        """Let everything take `factor` times as long."""
+        """Scale all durations by `factor`."""
         slower = self.coefficients * (factor ** -np.arange(4.0))[:, None, None]
         return Phases(self.breaks * factor, slower, self.alone * factor)
 
@@ -103,7 +103,7 @@ def rest_to_rest(rise: Array, limits: Limits, shortest: float) -> Any:
     spare.append(solver)
     duration = motion.duration
     bearable = solver.bearable * duration * duration * duration
-    # Where any miss is bearable none is looked for.
+    # If any miss is accepted, none is measured.
     if bearable < _RUCKIG_MISS:
         miss = max(map(abs, map(sub, motion.at_time(duration)[0], target)))
         return motion if miss <= bearable else None
@@ -127,10 +127,7 @@ def _solver(limits: Limits, shortest: float) -> _Solver:
 def jerk_phases(
     rise: Array, begin: EndRates, end: EndRates, limits: Limits, shortest: float
 ) -> Phases:
-    """Compute the fastest motion by `rise` (n,) that takes at least a given time (s).
-
-    Positions count from the start.
-    """
+    """Compute the fastest motion from 0 by `rise` (n,) that takes at least a given time (s)."""
     if not len(rise):
         # Ruckig itself reads memory that is not there.
         return Phases(np.array([0.0, shortest]), np.zeros((4, 1, 0)), np.zeros(0))
@@ -254,7 +251,7 @@ def _phases_of(motion: Any, request: Any, length: Array | float) -> Phases:
 
 
 def _on_one_course(profiles: list[Any], leader: int, request: Any) -> list[JointPhases]:
-    """Let all joints that can do so, from rest to rest, follow the course of the slowest one.
+    """Synchronise joints from rest to rest with the slowest one where that is possible.
 
     Ruckig does this for all joints or none; but the fewer courses there are, the fewer are the
     steps of the jerk, and the straighter is the path.
@@ -298,7 +295,7 @@ def common_phases(phases: list[JointPhases], duration: float) -> tuple[Array, Ar
         joints = [joint for joint, (own, _) in enumerate(phases) if id(own) == course]
         states = np.stack([phases[joint][1] for joint in joints], axis=2)
         phase = np.searchsorted(begin, middle, side="right") - 1
-        # Where each phase really begins: at the break that stands for the beginnings near to it.
+        # The start of each phase: the break that represents the starts near it.
         at = breaks[np.searchsorted(breaks, begin, side="right") - 1]
         at[begin >= duration - same] = duration
         states[:-1, 3] = _gentler(states, np.diff(at))

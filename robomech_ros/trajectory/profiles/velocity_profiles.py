@@ -67,10 +67,7 @@ class _Straight(MotionToRest, StraightMotion):
 
 
 class Trapezoidal(_Straight):
-    """Constant acceleration, constant velocity, constant deceleration.
-
-    The acceleration steps, so that a limit of the jerk is not kept.
-    """
+    """Constant acceleration, velocity and deceleration, without a limit of jerk."""
 
     ACCELERATION_STEPS: ClassVar[bool] = True
 

@@ -1,1 +1,1 @@
-"""How fast a path can be passed within limits of joints, of the tip and of torques."""
+"""Fastest timing of a path within limits of joints, of the tip and of torques."""

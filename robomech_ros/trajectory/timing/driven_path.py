@@ -12,7 +12,7 @@ from robomech_ros.trajectory.curves.piecewise import PiecewisePolynomial
 from robomech_ros.typing import Array, ArrayLike, IntArray
 
 Dynamics = Callable[[Array, Array, Array], ArrayLike]
-# Of the rates of all joints; or, of a `DrivenRobot`, of all joint values and the rates of drives.
+# A function of the rates of all joints; for a `DrivenRobot`, of all joint values and drive rates.
 Friction = Callable[..., ArrayLike]
 
 

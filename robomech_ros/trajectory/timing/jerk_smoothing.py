@@ -80,7 +80,7 @@ def smoothed(path: PiecewisePolynomial, limits: PathLimits, jerk: Array) -> Time
 
 
 def _is_straight(path: PiecewisePolynomial) -> bool:
-    """Whether all joints are linear in the path coordinate, with the same slopes all along."""
+    """Tell whether all joints are linear in the path coordinate, with the same slopes all along."""
     bent = len(path.coefficients) > 2 and bool(path.coefficients[2:].any())
     return not bent and not jump(path, 1).any()
 

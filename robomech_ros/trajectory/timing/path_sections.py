@@ -44,7 +44,7 @@ def jump(curve: PiecewisePolynomial, order: int) -> np.ndarray:
     coefficients = hull(curve, order)
     step = np.abs(coefficients[-1, :-1] - coefficients[0, 1:])
     size = np.abs(coefficients).max(axis=(0, 1))
-    # What the rounding of positions does to a derivative over the shorter of both pieces.
+    # Effect of the rounding of positions on a derivative over the shorter of both pieces.
     shorter = np.minimum(curve.spans[1:], curve.spans[:-1])[:, None]
     rounding = np.finfo(np.float64).eps * np.abs(curve.coefficients[0]).max(axis=0)
     allowed = PATH_STEP * size + 100.0 * rounding / shorter**order

@@ -20,7 +20,7 @@ _CELLS_IN_PIECE = 16
 _FEWEST_CELLS = 64
 # Parts of the first and the last cell at which it is divided.
 _TO_ENDS = 8.0 ** np.arange(-5.0, 0.0)
-# What all pieces of a very long path may have together at first, and at last.
+# Most cells of all pieces of a very long path, at first and at last.
 _MOST_CELLS = 40_000
 _MOST_REFINED = 200_000
 # Part of the duration that one cell may cost by its length, before it is divided.

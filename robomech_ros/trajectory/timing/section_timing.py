@@ -84,7 +84,7 @@ def _by_law(law: Law) -> SectionTiming:
 
 
 def _along_law(section: PathSection, law: Law) -> PiecewisePolynomial:
-    """Let the path coordinate follow a law, as fast as joints and other speeds may be."""
+    """Time a path by a law of its coordinate, as fast as joints and other speeds may be."""
     tau = _instants(law, _FEWEST)
     while True:
         s, v, a = _coordinates(section, law, tau)
@@ -125,7 +125,7 @@ def _coordinates(section: PathSection, law: Law, tau: Array) -> tuple[Array, ...
 
 
 def _jerk_limited(section: PathSection) -> PiecewisePolynomial:
-    """Let the path coordinate follow the double-S profile of the shape that is fastest here."""
+    """Time a path by the double-S profile with the fastest shape."""
     speed = _all_speeds(section)
     ramps, roundings = (grid.ravel() for grid in np.meshgrid(_RAMPS, _ROUNDINGS))
     best = (np.inf, 0.5, 1.0)
@@ -171,7 +171,7 @@ def _shape_durations(
 
 
 def _time_optimal(section: PathSection) -> PiecewisePolynomial:
-    """Let the path coordinate be as fast as it may everywhere.
+    """Time a path as fast as possible everywhere.
 
     What smoothing the jerk costs may be more than what one double-S profile leaves.
     """

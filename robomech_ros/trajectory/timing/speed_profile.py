@@ -18,7 +18,7 @@ from robomech_ros.typing import Array, IntArray
 # Time-optimal motions are planned within the limits less this part; with TIMING_ACCURACY, by which
 # their pieces in time may miss, it is less than LIMIT_SLACK.
 TIMING_MARGIN = 2e-7
-# What is over a limit by less, in parts of it, counts as rounding.
+# Relative excess over a limit that counts as rounding.
 _ROUNDING = 1e-10
 
 

@@ -35,14 +35,14 @@ _SAME = 1e-9
 # A segment of the path's parameter is at least this part of its neighbours: the spline would take a
 # bend between them in no time otherwise.
 _SHORTEST_BESIDE = 0.03
-# What via points may be missed by (rad, m) before they are made up for: rounding.
+# Rounding of via points (rad, m), which is not corrected.
 _MISSED = 1e-12
 # Corrections of the instants at which via points are passed; convergence is quadratic.
 _CORRECTIONS = 4
 
 
 def with_ramps(limits: Limits, *, everywhere: bool) -> Limits:
-    """Give every joint a jerk limit, which lets its acceleration rise within 20 ms.
+    """Set jerk limits of all joints for a rise of acceleration within 20 ms.
 
     `everywhere` tells whether joints whose own jerk limits are higher get it, or only those
     without.

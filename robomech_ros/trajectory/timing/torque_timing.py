@@ -8,7 +8,7 @@ whose first three terms are inverse dynamics at (q, 0, q'), (q, q', q'') and (q,
 is no function of the square of the speed; it is replaced by its tangent at the speeds of the motion
 before, and the motion found anew until it takes no more than the torques there are.
 
-Of a robot in which drives move other joints, q' and q'' are those of the drives, and inverse
+If drives move other joints of a robot, q' and q'' are those of the drives, and inverse
 dynamics gives their torques at the postures of all joints along the path.
 
 References

@@ -38,7 +38,7 @@ _STEPS = 30
 
 
 class _Inversion(NamedTuple):
-    """How drives follow from n joints of the arm: which, by what matrix, in which windings."""
+    """Relation of drives to the n joints of the arm: joints, matrix and windings."""
 
     joints: list[int]
     inverse: Array

@@ -1,1 +1,1 @@
-"""Which solver an arm gets, by its geometry."""
+"""Solvers of arms, selected by geometry."""

@@ -95,7 +95,6 @@ def _forms(chain: SerialChain, loop: Array, walks: Walks) -> Iterator[Array]:
 
 
 def _joints(start: int, sense: int) -> list[int]:
-    """List the joints in the order of a walk."""
     joints = list(range(6))[::sense]
     return joints[start:] + joints[:start]
 

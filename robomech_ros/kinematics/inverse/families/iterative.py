@@ -23,7 +23,7 @@ ATTEMPT_ITERATIONS = 40
 ITERATIVE_RESTARTS = 400
 # Attempts without a new solution after which the search ends.
 ITERATIVE_PATIENCE = 60
-# Where solutions form a continuum: how many to collect, and how far apart (rad or m).
+# Samples of a continuum of solutions: number, and distance (rad or m).
 ITERATIVE_WANTED_REDUNDANT = 8
 ITERATIVE_APART_REDUNDANT = 0.1
 # Isolated solutions nearer to each other than this (rad or m) are one, found at the accuracy

@@ -1,4 +1,4 @@
-"""Which solver an arm gets: decided once for each chain, by its geometry."""
+"""Selection of the solver of an arm, once per chain, by its geometry."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -53,22 +53,22 @@ class Family:
 
     @property
     def closed_form(self) -> bool:
-        """Whether the family finds all solutions, of a redundant arm in all samples."""
+        """True if the family finds all solutions, of a redundant arm in all samples."""
         return self.number != ITERATIVE
 
     @cached_property
     def lists_all(self) -> bool:
-        """Whether the family finds all solutions of a pose at once, which are finitely many."""
+        """True if the family finds all solutions of a pose at once, which are finitely many."""
         return self.closed_form and not self.redundant
 
     @property
     def redundant(self) -> bool:
-        """Whether solutions are samples of a self-motion."""
+        """True if solutions are samples of a self-motion."""
         return self.number == REDUNDANT
 
     @cached_property
     def exact(self) -> bool:
-        """Whether that is certain: not so for a wrist whose axes miss each other by micrometres."""
+        """True if that is certain: not so for a wrist whose axes miss each other by micrometres."""
         if not self.certain:
             return False
         if self.number == SHORT:

@@ -22,7 +22,7 @@ CLOSED_FORMS: tuple[tuple[str, int, Callable[[SerialChain], Array | None]], ...]
 
 @dataclass(frozen=True, eq=False)
 class SixJointArm:
-    """How six joints are solved: the family in the kernels, and the constants that it reads.
+    """Solver of six joints: the family in the kernels, and the constants that it reads.
 
     These are ``backwards`` if they are those of the inverse motion, from the tip to the base.
     """

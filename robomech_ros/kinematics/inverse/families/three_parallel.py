@@ -166,7 +166,7 @@ def _direction_part(data: Array, base: Array, frame5: Array, frame_a: Array) -> 
 
 
 def _neglected(arm: ParallelAxes, kind: int) -> float:
-    """How far (sine, or distance over size) the constants are from the true geometry.
+    """Deviation (sine, or distance over size) of the constants from the true geometry.
 
     That is what counts as parallel or meeting without being so, and the digits that feet of a
     common normal far away cost.

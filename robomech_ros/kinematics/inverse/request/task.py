@@ -1,4 +1,4 @@
-"""Which components of a pose a solution has to meet."""
+"""Components of a pose that a solution has to meet."""
 
 # x, y, z, rx, ry, rz, along and about the axes of the target.
 Task = tuple[bool, bool, bool, bool, bool, bool]

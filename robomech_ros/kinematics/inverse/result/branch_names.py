@@ -78,7 +78,7 @@ def numbered_names(chain: SerialChain, q: Array, branches: Sequence[int]) -> tup
 
 
 def _numbers(chain: SerialChain, q: Array) -> list[int]:
-    """Give postures q (k, n) numbers from 1 on by their joint values; windings share one."""
+    """Assign numbers from 1 on to postures q (k, n) by joint values; windings share one."""
     turned = np.where(chain.turns, np.remainder(q, 2.0 * math.pi), q)
     found: list[int] = []
     for k in sorted(range(len(q)), key=lambda k: turned[k].tolist()):

@@ -12,7 +12,7 @@ from robomech_ros.robots.chain import SerialChain
 
 
 class Scene(Protocol):
-    """What is asked of a scene: its chain, and the least distances at postures (m, n)."""
+    """Required interface of a scene: its chain, and the least distances at postures (m, n)."""
 
     chain: SerialChain
 

@@ -54,7 +54,7 @@ class _Namesake(NamedTuple):
 
 
 def named_branches(chain: SerialChain, q: Array, branch: IntArray) -> IntArray:
-    """Give numbered postures q (k, 6) of an arm of six joints the names that they nearly have.
+    """Name numbered postures q (k, 6) of an arm of six joints by their nearest branches.
 
     Returns their bits (k,) with names in place of numbers, where the arm nearly has them.
     """

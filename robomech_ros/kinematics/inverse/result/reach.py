@@ -1,4 +1,4 @@
-"""Why a pose cannot be reached: how far its position is out of reach, or its orientation."""
+"""Distance of an unreachable pose from reach, in position and orientation."""
 
 import math
 import time
@@ -33,7 +33,7 @@ class ReachGap(NamedTuple):
     orientation_error: float
 
 
-# What is known where the time has run out.
+# Result after the time has run out.
 NO_TIME = ReachGap(math.nan, math.nan)
 # A distance inside the limits that is greater by no more than this (relative) is the same.
 _SAME = 1e-7

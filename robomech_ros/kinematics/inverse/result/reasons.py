@@ -1,4 +1,4 @@
-"""Why there is no solution, or no complete list of them, in words and numbers."""
+"""Reasons for a missing solution or an incomplete list, in words and numbers."""
 
 import math
 
@@ -95,7 +95,7 @@ def describe_gap(
     deadline: float = math.inf,
 ) -> tuple[Status, str]:
     """Put a gap of reach into a status and words; where limits count, the amount respects them."""
-    # What is less than a nanometre is rounding; adding 0 makes -0 a plain 0.
+    # Less than a nanometre is rounding; adding 0 makes -0 a plain 0.
     position = ", ".join(f"{value:.6g}" for value in T[:3, 3].round(9) + 0.0)
     part = "" if all(task) else f"; only {_components(task)} of the target count"
     if gap.distance > 0.0:

@@ -155,12 +155,12 @@ class InverseKinematicsResult(Printed):
 
     @property
     def complete(self) -> bool:
-        """Whether these are provably all solutions within the limits, before any cap."""
+        """True if these are provably all solutions within the limits, before any cap."""
         return self.findings.complete
 
     @property
     def status(self) -> Status:
-        """How the solution ended."""
+        """Outcome of the solution."""
         return self.findings.status
 
     @property
@@ -180,7 +180,7 @@ class InverseKinematicsResult(Printed):
 
     @property
     def task(self) -> tuple[bool, ...]:
-        """Which of x, y, z, rx, ry, rz, along and about the target's axes, count as errors."""
+        """Mask of x, y, z, rx, ry, rz, along and about the target's axes, that count as errors."""
         return self.findings.task
 
     @property
@@ -220,7 +220,7 @@ class InverseKinematicsResult(Printed):
 
     @cached_property
     def continuum(self) -> bool:
-        """Whether a solution stands for a continuum: joints can move while the pose stays."""
+        """True if a solution stands for a continuum: joints can move while the pose stays."""
         return bool((self.branch_bits & bit.CONTINUUM).any())
 
     @cached_property

@@ -1,4 +1,4 @@
-"""How a solution of inverse kinematics ended."""
+"""Outcome of a solution of inverse kinematics."""
 
 from enum import IntEnum
 

@@ -1,1 +1,1 @@
-"""Received joint states: positions, limits, and whether joints follow their commands."""
+"""Received joint states: positions, limits, and tracking of commands."""

@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from robomech_ros.parallel import Mechanism
 
 
-# Loops that are open by less (m, rad) are those of a posture written with few digits, and by less
-# than this those of one written with all.
+# Largest loop errors (m, rad) of a posture written with few digits, and with all digits.
 _OPEN, _EXACT = 1e-3, 1e-12
 
 
@@ -29,7 +28,7 @@ class ClosedLoopPositions:
         self.mechanism = mechanism
 
     def gives_drives(self, state: JointState) -> bool:
-        """Whether a state leaves the passive joints open."""
+        """Return whether a state leaves the passive joints open."""
         if not state.name:
             return len(state.position) == self.mechanism.dof
         return bool(state.position) and not {*state.name} & {*self.mechanism.passive}
@@ -78,7 +77,7 @@ class ClosedLoopPositions:
         return np.array(modes.q[0])
 
     def _require_all(self, state: JointState, what: str) -> None:
-        """Refuse names of some passive joints, where others or drives are missing."""
+        """Reject a state with only some of the passive joints, or without drives."""
         mechanism, named = self.mechanism, {*state.name}
         missing = [name for name in mechanism.joint_names if name not in named]
         whole = len(state.name) == len(state.position)
@@ -92,7 +91,7 @@ class ClosedLoopPositions:
         raise WrongSizeError(f"{what}.name", len(state.name), expected)
 
     def _require_limits(self, drives: Array, what: str) -> None:
-        """Refuse drives (m,) that are not reached and outside their limits besides."""
+        """Raise an error if unreachable drives (m,) are also outside their limits."""
         mechanism = self.mechanism
         index = mechanism.drive_index
         lower, upper = mechanism.lower[index], mechanism.upper[index]
@@ -110,7 +109,7 @@ class ClosedLoopPositions:
         if errors.max() < _EXACT:
             return q
         if errors.max() > _OPEN:
-            # What else is compiled for parallel robots is loaded where there is one.
+            # Other compiled code for parallel robots is loaded only if there is one.
             drives = ", ".join(mechanism.actuated)
             expected = (
                 f"loops closed to {_OPEN:g}; give the drives alone, {drives}, to have the other "

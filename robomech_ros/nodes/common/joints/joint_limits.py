@@ -45,7 +45,7 @@ _DEEPEST = 5
 _OTHER_SECTIONS = ("cartesian_limits",)
 _SCALES = ("default_velocity_scaling_factor", "default_acceleration_scaling_factor")
 _TOP_KEYS = {_SECTION, "source", "joints"}
-# Of each kind whether there is a limit, and the numbers.
+# For each kind: whether there is a limit, and the numbers.
 _NUMBERS = {
     "has_position_limits": ("min_position", "max_position"),
     "has_velocity_limits": ("max_velocity",),
@@ -53,7 +53,7 @@ _NUMBERS = {
     "has_deceleration_limits": ("max_deceleration",),
     "has_jerk_limits": ("max_jerk",),
 }
-# What a plan has no use for.
+# Limits that plans do not use.
 _UNUSED = (
     *("has_effort_limits", "max_effort", "min_velocity", "angle_wraparound", "has_soft_limits"),
     *("k_position", "k_velocity", "soft_lower_limit", "soft_upper_limit"),
@@ -81,7 +81,7 @@ class JointLimitsFile:
     document: Mapping[str, Any]  #: The parsed content.
 
     def on(self, description: RobotDescription) -> RobotDescription:
-        """Return a robot with these limits.
+        """Return the robot with these limits.
 
         Accelerations and jerks of the file replace those of the robot; its ranges of positions
         and its velocities only narrow them.
@@ -128,7 +128,7 @@ def _planning_section(document: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def robot_limits(node: Node, settings: PlanSettings) -> dict[str, Any]:
-    """Return what completes the limits of a node's robot, as keywords of `when_robot_known`.
+    """Return functions that complete the limits of a robot, as keywords of `when_robot_known`.
 
     The file of the parameter ``joint_limits`` gives what the description lacks.  The parameter
     ``assume_limits`` lets the rest be assumed, which the log says.
@@ -148,9 +148,9 @@ def robot_limits(node: Node, settings: PlanSettings) -> dict[str, Any]:
 
 
 def with_assumed_rates(description: RobotDescription) -> tuple[RobotDescription, str, str]:
-    """Assume limits of acceleration and jerk that nobody gave, by the limits of velocity.
+    """Assume missing limits of acceleration and jerk from the limits of velocity.
 
-    Returns the description, a notice of what was assumed (empty if nothing was), and the text of a
+    Returns the description, a notice of assumed limits (empty if none), and the text of a
     file with the same limits in MoveIt's form, to copy.
     """
     limits: dict[str, dict[str, Any]] = {}
@@ -191,10 +191,7 @@ def _as_file(limits: Mapping[str, Mapping[str, float]]) -> str:
 
 
 def read_joint_limits(path: str) -> JointLimitsFile:
-    """Read a file with joint limits.
-
-    Raises ParameterError: it cannot be read. RobotDescriptionError: it is not YAML.
-    """
+    """Read joint limits; ParameterError: unreadable file, RobotDescriptionError: not YAML."""
     file = Path(path).expanduser()
     try:
         text = read_regular(file, LARGEST_YAML)
@@ -212,7 +209,7 @@ def _limited(joint: Joint, entry: object, place: str) -> Joint:
         "lower": max(joint.lower, values.get("min_position", -math.inf)),
         "upper": min(joint.upper, values.get("max_position", math.inf)),
         "velocity": float(np.fmin(joint.velocity, values.get("max_velocity", math.nan))),
-        # One limit serves both ways; what has no acceleration limit keeps none.
+        # One limit serves both directions; without an acceleration limit there is none.
         "acceleration": min(acceleration, values.get("max_deceleration", math.inf)),
         "jerk": values.get("max_jerk", joint.jerk),
     }

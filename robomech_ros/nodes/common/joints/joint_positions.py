@@ -41,7 +41,7 @@ class JointPositions:
     A state without names has one position for every joint of the configured chain, in its order,
     whichever link it serves; for the chain to another link it may also have one for every joint
     of that chain.  One with the name of a posture in the place of a joint's, and no position, is
-    that posture.  Of a parallel robot states are read by :class:`ClosedLoopPositions`, whatever
+    that posture.  For a parallel robot states are read by :class:`ClosedLoopPositions`, whatever
     part of its joints is asked for.
 
     - ``model``: the robot; joints of it that are not in a chain may stand in a state and are passed
@@ -55,13 +55,13 @@ class JointPositions:
         self.loops = None if model.mechanism is None else ClosedLoopPositions(model.mechanism)
 
     def read(self, chain: Linkage, state: JointState, what: str) -> Array:
-        """Read the positions, shape (n,), that a request must give."""
+        """Read the required positions of a request, shape (n,)."""
         if self.loops is not None:
             return self._of(chain, self.loops.read(state, what, self.present_posture()))
         return self._read(cast(SerialChain, chain), state, what)
 
     def present_posture(self) -> Array | None:
-        """Return all joints (n,) of a parallel robot as they are, None where they are not known."""
+        """Return all present joints (n,) of a parallel robot, or None if they are unknown."""
         loops = self.loops
         found = None if loops is None else self._monitor.positions(loops.mechanism.joint_names)
         return None if loops is None or found is None else loops.closed(found, "the present state")
@@ -91,7 +91,7 @@ class JointPositions:
     async def read_or_present(
         self, chain: Linkage, state: JointState, what: str, patience: float
     ) -> Array:
-        """Read the positions, shape (n,); of an empty state, the present ones.
+        """Read the positions, shape (n,); an empty state means the present ones.
 
         Raises NoStateError: they are not known, even after waiting for `patience` (s).
         """
@@ -100,7 +100,7 @@ class JointPositions:
         return await self.at_rest(chain, patience, math.inf)
 
     async def at_rest(self, chain: Linkage, patience: float, tolerance: float) -> Array:
-        """Read the present positions, shape (n,), of a robot that stands.
+        """Read the present positions, shape (n,), of a robot at rest.
 
         Raises NoStateError: they are not known, even after waiting for `patience` (s).
         RobotMovesError: a joint is faster than `tolerance` (rad/s or m/s), and was so all that
@@ -117,7 +117,7 @@ class JointPositions:
         return self._of(chain, found)
 
     def seed(self, chain: Linkage, state: JointState) -> Array:
-        """Read a seed, shape (n,); of an empty state, the present positions or the mid-range.
+        """Read a seed, shape (n,); an empty state means the present positions or the mid-range.
 
         A present position outside the limits is taken at the limit: a robot at its stop, as it
         reports itself, must not make a request fail that says nothing about a seed.
@@ -133,5 +133,5 @@ class JointPositions:
 
 
 def is_empty(state: JointState) -> bool:
-    """Whether a state names no joints and gives no positions."""
+    """Return whether a state names no joints and gives no positions."""
     return not state.name and not state.position

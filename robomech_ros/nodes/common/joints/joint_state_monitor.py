@@ -1,6 +1,6 @@
 """The present state of the joints, by name, from the topic ``joint_states``.
 
-Messages are taken from the middleware only when somebody asks: a node that listens to a fast
+Messages are taken from the middleware on demand: a node that subscribes to a fast
 robot spends nothing while it is idle.
 """
 
@@ -23,7 +23,7 @@ from robomech_ros.typing import Array
 TOPIC = "joint_states"
 # Enough for several publishers of different rates between two looks.
 _DEPTH = 50
-# Joints that are remembered, whoever publishes them.
+# Number of remembered joints, of all publishers.
 _MOST_JOINTS = 1000
 _MOST_LISTED = 10
 
@@ -36,7 +36,7 @@ class _JointSample(NamedTuple):
 
 
 class JointStateMonitor:
-    """Knows the latest state of every joint that was ever published on ``joint_states``."""
+    """Latest state of every joint published on ``joint_states``."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -47,7 +47,7 @@ class JointStateMonitor:
         self._inbox = Inbox(node, JointState, TOPIC, _DEPTH)
 
     def positions(self, joint_names: Sequence[str]) -> Array | None:
-        """Return the present positions (rad or m), shape (n,); None while one is not known."""
+        """Return the present positions (rad or m), shape (n,); None if one is unknown."""
         self._take_all(joint_names)
         states = self._states
         if any(name not in states for name in joint_names):
@@ -55,24 +55,21 @@ class JointStateMonitor:
         return np.array([states[name].position for name in joint_names], dtype=np.float64)
 
     def known_positions(self, joint_names: Sequence[str]) -> dict[str, float]:
-        """Return the present positions (rad or m) of those of the joints that are known."""
+        """Return the present positions (rad or m) of the known joints."""
         self._take_all(joint_names)
         return {n: self._states[n].position for n in joint_names if n in self._states}
 
     def velocities(self, joint_names: Sequence[str]) -> Array:
         """Return the velocities (rad/s or m/s), shape (n,), as of the last look at positions.
 
-        A joint whose velocity is not known stands.
+        A joint of unknown velocity counts as at rest.
         """
         unknown = _JointSample(math.nan, math.nan)
         speeds = np.array([self._states.get(name, unknown).velocity for name in joint_names])
         return np.where(np.isfinite(speeds), speeds, 0.0)
 
     def update_count(self, joint_names: Sequence[str]) -> int:
-        """Return a number that grows whenever all these joints have newer states.
-
-        It counts as of the last look at positions.
-        """
+        """Return a counter of newer states of all these joints, as of the last look."""
         return min((self._updated_in.get(name, 0) for name in joint_names), default=0)
 
     def forget(self) -> None:
@@ -81,10 +78,7 @@ class JointStateMonitor:
         self._states.clear()
 
     def require(self, joint_names: Sequence[str]) -> Array:
-        """Return the present positions (rad or m), shape (n,).
-
-        Raises NoStateError: the position of a joint is not known; it is named.
-        """
+        """Return the present positions (n,) (rad or m); NoStateError names an unknown joint."""
         positions = self.positions(joint_names)
         if positions is None:
             missing = [name for name in joint_names if name not in self._states]
@@ -111,7 +105,7 @@ class JointStateMonitor:
 
         - ``joint_names``: the n joints.
         - ``patience``: how long to wait for that at the most (s).
-        - ``tolerance``: speed up to which a joint stands, rad/s or m/s; default any. A joint whose
+        - ``tolerance``: greatest speed of a joint at rest, rad/s or m/s; default any. A joint whose
           velocity is not published stands.
         - ``units``: ``"rad"`` or ``"m"`` by joint, where that is known.
 
@@ -133,7 +127,7 @@ class JointStateMonitor:
     def _fastest(self, joint_names: Sequence[str]) -> tuple[str, float]:
         """Find the fastest of joints that are known, and its speed (rad/s or m/s).
 
-        Of no joints, as before a link that nothing moves, it is one without a name that stands.
+        Without joints, as for a fixed link, it is a nameless state at rest.
         """
         if not joint_names:
             return "", 0.0

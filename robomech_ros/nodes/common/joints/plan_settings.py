@@ -7,7 +7,7 @@ from robomech_ros.execution.joints import TIME_TO_ACCELERATION, TIME_TO_SPEED
 from robomech_ros.nodes.common.joints.joint_positions import StateSettings
 from robomech_ros.nodes.common.parameters import changeable, parameter
 
-# Between samples nearer than this (s) the jerk drowns in the rounding of the positions.
+# Below this period (s) the jerk is lost in the rounding of the positions.
 SHORTEST_PERIOD = 1e-4
 
 
@@ -55,5 +55,5 @@ class PlanSettings(StateSettings):
 
     @property
     def most(self) -> dict[str, Any]:
-        """How large a plan may be, as keywords of what plans."""
+        """Limits on the size of a plan, as keywords of planners."""
         return {"max_points": self.max_points, "max_duration": self.max_duration}

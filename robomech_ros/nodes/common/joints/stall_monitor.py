@@ -1,23 +1,23 @@
-"""Detects that its process was held up, and how old unstamped commands may then be."""
+"""Detection of stalls of the process, and the age of unstamped commands afterwards."""
 
 import math
 
-# After so long (s) without a look, waiting commands may come from a user who has let go since.
+# After this time (s) without a look, waiting commands may be outdated.
 HELD_UP = 0.5
-# For so long (s) after that such commands may still come out of the middleware.
+# Time (s) for which the middleware may still deliver such commands.
 _BACKLOG = 0.2
 
 
 class StallMonitor:
-    """Looks at a clock again and again, where commands are taken."""
+    """Detects stalls by repeated looks at a clock during reception of commands."""
 
     def __init__(self) -> None:
         self._looked_at = math.inf
-        # The last hold-up: since when nobody looked, and until when what came then may come out.
+        # The last stall: its start, and the end of the delivery of messages from it.
         self._since = self._until = -math.inf
 
     def look(self, now: float, most: float = HELD_UP) -> bool:
-        """Say whether more than `most` (s) have gone by since the last look."""
+        """Return whether more than `most` (s) have passed since the last look."""
         held_up = now > self._looked_at + most
         if held_up:
             self._since, self._until = self._looked_at, now + _BACKLOG
@@ -25,5 +25,5 @@ class StallMonitor:
         return held_up
 
     def age(self, now: float) -> float:
-        """How old (s) what comes now without a stamp may be; 0 where nobody was held up lately."""
+        """Possible age (s) of commands received now without a stamp; 0 without a recent stall."""
         return max(now - self._since, 0.0) if now < self._until else 0.0

@@ -1,4 +1,4 @@
-"""Watches the joints: where a stream can begin, and whether they follow it."""
+"""Monitor of the joints: start of a stream, and tracking of it."""
 
 from collections import deque
 from typing import NamedTuple
@@ -8,11 +8,11 @@ from robomech_ros.nodes.common.messages.error_codes import NoStateError
 from robomech_ros.servo.tracking import TrackedJoints, Tracking
 from robomech_ros.typing import Array
 
-# How long the next state of the joints may take before it is missed (s).
+# Timeout of the next state of the joints (s).
 _STATE_DUE = 0.2
-# How long states may fail to come on top of the tracking delay while the robot is driven (s).
+# Timeout of joint states beyond the tracking delay while the robot is driven (s).
 _STATE_LOST = 0.5
-# Of so many looks the least lag counts.
+# The least lag of this number of looks counts.
 _LOOKS = 10
 
 
@@ -24,10 +24,10 @@ class Fault(NamedTuple):
 
 
 class TrackingMonitor:
-    """Knows the joints of a robot that is to be driven.
+    """Monitors the joints of a robot during a stream of commands.
 
-    - ``tolerance``: how far a joint may be off its commands (rad or m); 0 = any distance.
-    - ``delay``: how far they may lag behind these (s).
+    - ``tolerance``: largest deviation of a joint from its commands (rad or m); 0 = any.
+    - ``delay``: largest lag behind the commands (s).
     """
 
     def __init__(
@@ -42,11 +42,11 @@ class TrackingMonitor:
         self._lags: deque[float] = deque(maxlen=_LOOKS)
 
     def position(self) -> Array | None:
-        """Return the latest positions (rad or m), shape (n,); None while one is not known."""
+        """Return the latest positions (rad or m), shape (n,); None if one is unknown."""
         return self._monitor.positions(self._names)
 
     def fresh_state(self, now: float) -> tuple[Array, Array] | None:
-        """Return positions and velocities (n,) that came after the first call; None until then."""
+        """Return positions and velocities (n,) received after the first call; None until then."""
         position = self.position()
         update_count = self._monitor.update_count(self._names)
         if self._waits_from is None:
@@ -57,16 +57,16 @@ class TrackingMonitor:
         return position, self._monitor.velocities(self._names)
 
     def is_overdue(self, now: float) -> bool:
-        """Whether the state that `fresh_state` waits for should have come by now."""
+        """Return whether the state that `fresh_state` waits for should have come by now."""
         late = self._waits_from is not None and now > self._waits_from + _STATE_DUE
         return late or self.position() is None
 
     def stop_waiting(self) -> None:
-        """Wait no longer: the next call of `fresh_state` is a first one."""
+        """Stop waiting: the next call of `fresh_state` is a first one."""
         self._waits_from = None
 
     def why_no_state(self) -> str:
-        """Say why the joints are not known, or that a state is awaited."""
+        """Say why the joints are unknown, or that a state is awaited."""
         try:
             self._monitor.require(self._names)
         except NoStateError as error:
@@ -74,7 +74,7 @@ class TrackingMonitor:
         return "waits for a new state of the joints"
 
     def begin(self, now: float) -> None:
-        """Watch a stream that begins now (s)."""
+        """Start to monitor a stream at the present time (s)."""
         self._tracking.begin()
         self._lags.clear()
         self._waits_from = None
@@ -85,10 +85,7 @@ class TrackingMonitor:
         self._tracking.tell(time, position)
 
     def lag(self, now: float) -> float | None:
-        """Return the least recent lag (s) of the joints behind the stream.
-
-        The least, since the age of received states varies.
-        """
+        """Return the least recent lag (s) behind the stream, since the age of states varies."""
         position = self.position()
         lag = None if position is None else self._tracking.lag(now, position)
         if lag is None:
@@ -98,7 +95,7 @@ class TrackingMonitor:
         return min(self._lags) if len(self._lags) == _LOOKS else None
 
     def fault(self, now: float) -> Fault | None:
-        """Say which joints do not follow their commands, or that their state is unknown."""
+        """Return the joints that do not follow their commands or have no state, if any."""
         if not self._tolerance:
             return None
         position = self.position()

@@ -1,4 +1,4 @@
-"""The error code of every exception, and the guard that turns exceptions into answers."""
+"""Error codes of exceptions, and a guard that converts exceptions to answers."""
 
 import functools
 import inspect
@@ -16,13 +16,13 @@ _Callback = TypeVar("_Callback", bound=Callable[..., Any])
 
 
 def shortened(names: Sequence[str], most: int) -> str:
-    """List the first names, and say how many more there are."""
+    """List the first names and the number of the others."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return ", ".join(names[:most]) + more
 
 
 class FrameUnavailableError(RobomechError):
-    """A frame that cannot be related to the base of the chain."""
+    """A frame without a known transform to the base of the chain."""
 
     def __init__(self, frame: str, known: Iterable[str], why: str) -> None:
         names = shortened(list(known), 30)
@@ -30,7 +30,7 @@ class FrameUnavailableError(RobomechError):
 
 
 class NoStateError(RobomechError):
-    """The present state of the joints is needed and not known."""
+    """The present state of the joints is required but unknown."""
 
     def __init__(self, joints: Iterable[str], topic: str, why: str = "nothing received") -> None:
         listed = ", ".join(joints)
@@ -108,7 +108,7 @@ def answer(response: Any, code: int = 0, text: str = "") -> Any:
 
 
 def guarded(callback: _Callback) -> _Callback:
-    """Make a service callback, plain or async, an async one that answers errors of the request.
+    """Wrap a service callback, plain or async, so that it answers errors of the request.
 
     A RobomechError becomes its code and text in an otherwise empty response.  Any other exception
     is a defect, which `serve` answers.

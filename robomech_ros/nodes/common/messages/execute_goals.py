@@ -12,7 +12,7 @@ from robomech_ros.nodes.common.messages.message_fields import duration_from_seco
 
 @dataclass(frozen=True)
 class AskedTolerances:
-    """Tolerances that every goal requests from the controller; 0 = the controller's own setting.
+    """Tolerances in every goal to the controller; 0 = the controller's own setting.
 
     - ``path``, ``goal``: how far a joint may be from its path and from its last point, rad or m; -1
       = any distance.
@@ -20,17 +20,17 @@ class AskedTolerances:
 
     path: float = 0.0
     goal: float = 0.0
-    goal_time: float = 0.0  #: Time after its end by which a trajectory must reach its goal (s).
+    goal_time: float = 0.0  #: Allowed delay of the goal after the end of a trajectory (s).
 
 
 class ExecuteGoals:
-    """Goals of ExecuteTrajectory: how they are put, and what results mean."""
+    """Goals of ExecuteTrajectory: encoding, and meaning of results."""
 
     kind = ExecuteTrajectory
     name = "execute_trajectory"
 
     def goal(self, trajectory: JointTrajectory, tolerances: AskedTolerances) -> Any:
-        """Make a goal, which names a tolerance for every joint or for none."""
+        """Make a goal with a tolerance for every joint or for none."""
         count = len(trajectory.joint_names)
         return ExecuteTrajectory.Goal(
             trajectory=trajectory,
@@ -40,5 +40,5 @@ class ExecuteGoals:
         )
 
     def verdict(self, status: int, result: Any, began: bool) -> MotionResult:
-        """Return code and text, which the result has."""
+        """Return code and text of a result."""
         return MotionResult(int(result.error_code), str(result.error_msg))

@@ -21,25 +21,25 @@ _CODES: dict[int, Code] = {
     _RESULT.PATH_TOLERANCE_VIOLATED: Code.PATH_TOLERANCE,
     _RESULT.GOAL_TOLERANCE_VIOLATED: Code.GOAL_TOLERANCE,
 }
-# Codes that, once a motion has begun, say that something else has ended it.
+# Codes that mean, after the start of a motion, that something else has ended it.
 _STOPPED = (_RESULT.SUCCESSFUL, _RESULT.INVALID_GOAL)
 _NAMES = {
     getattr(_RESULT, name): name
     for name in dir(_RESULT)
     if name.isupper() and isinstance(getattr(_RESULT, name), int)
 }
-# What joint_trajectory_controller says when there is nothing to say.
+# Text of joint_trajectory_controller without an error.
 _DEFAULT_TEXT = "Goal successfully reached!"
 
 
 class FollowGoals:
-    """Goals of FollowJointTrajectory: how they are put, and what results mean."""
+    """Goals of FollowJointTrajectory: encoding, and meaning of results."""
 
     kind = FollowJointTrajectory
     name = "follow_joint_trajectory"
 
     def goal(self, trajectory: JointTrajectory, tolerances: AskedTolerances) -> Any:
-        """Make a goal, which names the joints whose tolerances are not the controller's."""
+        """Make a goal with the joints that have tolerances of their own."""
         names = trajectory.joint_names
         return FollowJointTrajectory.Goal(
             trajectory=trajectory,

@@ -1,4 +1,4 @@
-"""Goals and results of GripperCommand, by the one value that moves a gripper."""
+"""Goals and results of GripperCommand, by the value that moves a gripper."""
 
 from typing import Any
 
@@ -6,10 +6,7 @@ from robomech_ros.robots.gripper import GripperModel
 
 
 def gripper_goal(gripper: GripperModel, value: float) -> Any:
-    """Make the goal (control_msgs/action/GripperCommand.Goal) of a width (m) or position.
-
-    Raises BadValueError: the value is outside the range.
-    """
+    """Make the GripperCommand goal of a width (m) or position; BadValueError outside the range."""
     from control_msgs.action import GripperCommand
 
     goal = GripperCommand.Goal()
@@ -18,7 +15,7 @@ def gripper_goal(gripper: GripperModel, value: float) -> Any:
 
 
 def gripper_outcome(gripper: GripperModel, result: Any) -> tuple[str, bool]:
-    """Say where a gripper is after a command, and whether that is its goal.
+    """Describe the position of a gripper after a command, and whether it is the goal.
 
     - ``result``: GripperCommand.Result.
     """

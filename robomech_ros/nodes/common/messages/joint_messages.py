@@ -1,4 +1,4 @@
-"""Joint states and trajectories in messages, which match joints by name, as arrays in order."""
+"""Conversion of joint states and trajectories, matched by name, to ordered arrays."""
 
 import math
 from array import array
@@ -17,7 +17,7 @@ from robomech_ros.nodes.common.messages.message_fields import NANO, floats
 from robomech_ros.servo.motion import Samples
 from robomech_ros.typing import Array
 
-# Point messages that are kept from one trajectory to the next, 1 kB each.
+# Number of point messages kept from one trajectory to the next, 1 kB each.
 _POINTS_KEPT = 2000
 
 
@@ -93,7 +93,7 @@ def joint_state(joint_names: Sequence[str], positions: Array) -> JointState:
 
 
 def received_trajectory(message: JointTrajectory) -> ReceivedTrajectory:
-    """Hand over a message that nothing is known about; its points are not copied."""
+    """Convert an unchecked message; its points are not copied."""
     points = list(message.points)
     spans = [point.time_from_start for point in points]
     times = [span.sec + span.nanosec * 1e-9 for span in spans]
@@ -101,10 +101,10 @@ def received_trajectory(message: JointTrajectory) -> ReceivedTrajectory:
 
 
 class TrajectoryPoints:
-    """Trajectory points that are used again for one trajectory after the other.
+    """Reusable trajectory points.
 
-    To make a point message takes longer than to fill it.  Who uses them must have sent one
-    trajectory before the next is made: rclpy copies what it sends.
+    Making a point message takes longer than filling it.  Callers must send one
+    trajectory before the next is made: rclpy copies on sending.
     """
 
     def __init__(self) -> None:
@@ -136,7 +136,7 @@ class TrajectoryPoints:
 
 
 class SampledPoints(Sequence[JointTrajectoryPoint]):
-    """Trajectory points that are made anew whenever they are read, for a message that is kept.
+    """Trajectory points that are made on reading, for a message that is kept.
 
     A point message takes 1 kB, its numbers less than 0.2 kB, and rclpy keeps a result for 10 s.
 

@@ -1,4 +1,4 @@
-"""Lists of numbers, times and durations as the fields of messages take them."""
+"""Conversion of numbers, times and durations to fields of messages."""
 
 import math
 from array import array
@@ -16,17 +16,17 @@ NANO = 1_000_000_000
 
 
 def floats(values: Array) -> "array[float]":
-    """Copy an array into what the messages' float64[] fields take without conversion."""
+    """Copy an array for a float64[] field, which takes it without conversion."""
     return array("d", values.tobytes())
 
 
 def append_numbers(target: "array[Any]", values: NDArray[Any]) -> None:
-    """Append the entries of an array, in its own order, to one of Python's arrays."""
+    """Append the entries of an array, in its memory order, to a Python array."""
     target.frombytes(values.astype(target.typecode).tobytes())
 
 
 def finite_number(what: str, value: float) -> float:
-    """Return a number of a request, which must be finite."""
+    """Return a finite number of a request, or raise NonFiniteError."""
     if not math.isfinite(value):
         raise NonFiniteError(what, value)
     return float(value)
@@ -40,7 +40,7 @@ def not_negative(what: str, value: float, expected: str) -> float:
 
 
 def check_waypoints(what: str, count: int, most: int) -> None:
-    """Refuse more points to go through than can be planned in some seconds."""
+    """Reject too many waypoints to plan in some seconds."""
     if count > most:
         raise WrongSizeError(what, count, f"at most {most}, the parameter max_waypoints")
 

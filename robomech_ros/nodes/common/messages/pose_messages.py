@@ -36,7 +36,7 @@ def matrix_from_pose(pose: Pose, what: str = "pose") -> Array:
     x, y, z, w = o.x, o.y, o.z, o.w
     if not math.isfinite(p.x + p.y + p.z):
         require_finite(f"{what}.position", p)
-        # Finite numbers whose sum overflows are as useless as infinite ones.
+        # Finite numbers whose sum overflows count as infinite.
         raise NonFiniteError(f"{what}.position", math.inf)
     norm = math.sqrt(x * x + y * y + z * z + w * w)
     if not abs(norm - 1.0) <= UNIT_NORM:
@@ -54,7 +54,7 @@ def matrix_from_pose(pose: Pose, what: str = "pose") -> Array:
 
 
 def require_finite(what: str, vector: object, fields: Sequence[str] = "xyz") -> None:
-    """Refuse a vector of a message by the name of the field that is NaN or infinite."""
+    """Reject a vector of a message that is not finite, by the name of the field."""
     for name in fields:
         value = getattr(vector, name)
         if not math.isfinite(value):
@@ -71,8 +71,7 @@ def pose_from_matrix(T: Array) -> Pose:
 def fill_pose(message: Pose, T: Array) -> None:
     """Write a homogeneous transform, shape (4, 4), to a pose message.
 
-    Of the two quaternions the one with w >= 0 is given, and with w = 0 the one whose first number
-    that is not zero is positive.
+    The quaternion has w >= 0; if w is 0, its first number that is not zero is positive.
     """
     (px, py, pz), (x, y, z, w) = plain_pose(T)
     position, orientation = message.position, message.orientation

@@ -34,7 +34,7 @@ def refusal_values(refusal: Refusal) -> dict[str, object]:
 
 
 def read_refusal(values: Mapping[str, str]) -> Refusal | None:
-    """Read a refusal from the facts of a status; None where it does not have them."""
+    """Read a refusal from the facts of a status; None if they are missing."""
     try:
         numbers = int(values[_COUNT]), int(values[_CODE])
         return Refusal(*numbers, values[_TEXT], str(values[_LABEL]), values.get(_RUN, ""))
@@ -43,7 +43,7 @@ def read_refusal(values: Mapping[str, str]) -> Refusal | None:
 
 
 def trajectory_label(message: JointTrajectory) -> str:
-    """Return a text by which a trajectory is known again: stamp, size, and a sum of its ends."""
+    """Return a fingerprint of a trajectory: stamp, size, and a sum of its ends."""
     stamp, points = message.header.stamp, message.points
     total = zlib.crc32("\n".join(message.joint_names).encode())
     for point in points[:1] + points[-1:]:

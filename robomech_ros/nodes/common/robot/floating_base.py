@@ -1,4 +1,4 @@
-"""The floating base of a robot, as its document or a parameter says."""
+"""Floating base of a robot, from its document or a parameter."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -76,7 +76,7 @@ class FloatingRobot:
 
 
 def check_momentum(momentum: Sequence[float]) -> None:
-    """Refuse a parameter that is no momentum."""
+    """Reject a parameter that is not a momentum."""
     if len(momentum) not in (0, 6):
         allowed = "empty, or 6 numbers: angular x y z, linear x y z"
         raise ParameterError("momentum", list(momentum), allowed)

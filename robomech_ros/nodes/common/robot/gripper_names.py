@@ -1,4 +1,4 @@
-"""Joints and controller of a gripper, as the parameters of a node name them."""
+"""Joints and controller of a gripper, from the parameters of a node."""
 
 from dataclasses import dataclass
 
@@ -53,10 +53,7 @@ def known_finger_joints(model: RobotModel, settings: GripperNames) -> tuple[Join
 
 
 def known_gripper(model: RobotModel, settings: GripperNames) -> GripperModel | None:
-    """Return the gripper that one value moves; None if the robot has none.
-
-    Raises ParameterError: parameters do not fit the robot.
-    """
+    """Return the gripper that one value moves, or None; ParameterError for wrong parameters."""
     names = [joint.name for joint in known_finger_joints(model, settings)]
     links = listed_names(settings.gripper_finger_links)
     try:

@@ -31,20 +31,20 @@ class InertialPath(NamedTuple):
 
 
 class FloatingPathModel(ChainPathModel):
-    """A chain on a free base as what follows paths."""
+    """A chain on a free base as a path follower."""
 
     def __init__(self, robot: FloatingChain) -> None:
         super().__init__(robot.chain)
         self._robot = robot
 
     def singular_values(self, q: Array) -> Array:
-        """Those of the generalised Jacobian, lengths over the arm's size, of rows (m, n)."""
+        """Compute those of the generalised Jacobian of rows (m, n), lengths over the arm's size."""
         scale = np.repeat([1.0, 1.0 / arm_size(self.chain)], 3)[:, None]
         J = np.array([self._robot.generalized_jacobian(row) for row in q])
         return np.asarray(np.linalg.svd(scale * J, compute_uv=False))
 
     def singular_part(self, joints: JointPath) -> str:
-        """Name nothing: such a singularity depends on the masses of all bodies."""
+        """Return no name: such a singularity depends on the masses of all bodies."""
         return ""
 
 
@@ -91,10 +91,7 @@ def plan_inertial(
     task_mask: Sequence[bool],
     **options: Any,
 ) -> CartesianPlan:
-    """Plan a motion along a path in inertial space within a part of the limits of rates.
-
-    Options are those of `plan_followed`.
-    """
+    """Plan a motion in inertial space within a part of the rate limits, as `plan_followed`."""
     if any(task_mask) and not all(task_mask):
         expected = "all true or all false for a path in inertial space"
         raise BadValueError("task_mask", list(task_mask), expected)
@@ -123,7 +120,7 @@ def _cubics(t: Array, q: Array, slopes: Array) -> Array:
 def _tracking(
     robot: FloatingChain, path: PosePath, joints: JointPath | None, q: Array, reason: str
 ) -> PathTracking:
-    """Say how far a path was followed, and why not farther."""
+    """Return the followed part of a path, and the reason for its end."""
     if not reason and joints is not None:
         done = PathTrackingStatus.COMPLETE
         return PathTracking(joints, path.length, done, "", path.length)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 TOPIC = "robot_description"
-# The one group of joints where none are given, beside the name of the robot.
+# Default group of joints, besides the name of the robot.
 WHOLE_CHAIN = "manipulator"
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 # Quality of service of /tf_static, as in tf2_ros.
@@ -151,15 +151,15 @@ class RobotModel:
 
     @property
     def base_frame(self) -> str:
-        """The frame of the base, as tf knows it."""
+        """The frame of the base in tf."""
         return self.frame_of(self.chain.base)
 
     def frame_of(self, link: str) -> str:
-        """Return the frame of a link, as tf knows it: its name behind the prefix."""
+        """Return the frame of a link in tf: the prefix and its name."""
         return f"{self.frame_prefix}{link}"
 
     def link_of(self, frame: str) -> str:
-        """Return the link of a frame; what is none of this robot's comes back as it is.
+        """Return the link of a frame; frames of others are returned unchanged.
 
         - ``frame``: a link with or without the prefix, or something else.
         """
@@ -193,7 +193,7 @@ class RobotModel:
 
     @property
     def groups(self) -> Mapping[str, Group]:
-        """The groups that requests may name: those given, else the configured chain alone."""
+        """The groups for requests; by default the configured chain alone."""
         if self.semantic.groups:
             return self.semantic.groups
         return {name: group_of_chain(name, self.chain) for name in (WHOLE_CHAIN, self.chain.name)}
@@ -227,7 +227,7 @@ class RobotModel:
     def posture(self, chain: SerialChain, name: str) -> Array:
         """Find a named posture of the joints that move a link, shape (n,) (rad or m).
 
-        Where some of those go on behind the configured chain with no such posture of their own, it
+        If some of those go on behind the configured chain with no such posture of their own, it
         is one of the configured chain, and the joints outside it rest, or are at their own
         ``home``.
         """
@@ -245,7 +245,7 @@ class RobotModel:
         return np.array([positions[joint] for joint in chain.joint_names])
 
     def learn(self, semantic: SemanticDescription) -> None:
-        """Take other groups and named postures than so far; the configured chain stays."""
+        """Replace groups and named postures; the configured chain stays."""
         self.semantic = semantic
         self._group_chains = {}
 
@@ -258,7 +258,7 @@ class RobotModel:
 
 
 def _check_ends(robot: str, ends: tuple[str, str], given: tuple[str, str, str], parts: str) -> None:
-    """Refuse other ends of a chain, and a group, where all parts of a robot are meant."""
+    """Reject ends of a chain, or a group, for a robot that is used as a whole."""
     whats = ("base_link", "tip_link", "group")
     for what, value, there in zip(whats, given, (*ends, ""), strict=True):
         if value not in ("", there):
@@ -267,7 +267,7 @@ def _check_ends(robot: str, ends: tuple[str, str], given: tuple[str, str, str], 
 
 
 def _fixed_frames(description: RobotDescription, base: str) -> dict[str, Array]:
-    """Find all links that fixed joints, up or down the tree, hold to the base."""
+    """Find all links fixed to the base, up or down the tree."""
     found = {base: np.eye(4)}
     waiting = [base]
     fixed = [joint for joint in description.joints if joint.type == "fixed"]

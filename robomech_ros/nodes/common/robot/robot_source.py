@@ -1,4 +1,4 @@
-"""The robot of a node, as soon as parameters or latched topics have all of it."""
+"""Loading of a node's robot from parameters or latched topics."""
 
 import logging
 from collections.abc import Callable
@@ -25,7 +25,7 @@ from robomech_ros.robots.robot_kinds import ARM, check_name, kind_of
 
 # The log of the node says the same, and goes to /rosout as well.
 logging.getLogger(report_once.__module__).addHandler(logging.NullHandler())
-# Characters that an error shows of what was no robot.
+# Number of characters of an invalid robot in an error.
 _SHOWN = 80
 _MOST_NOTES = 5
 
@@ -40,7 +40,7 @@ def when_robot_known(
     parallel: bool = False,
     legged: bool = False,
 ) -> None:
-    """Call back with the robot: at once if the parameter names it, or when the topic publishes it.
+    """Call back with the robot: at once from the parameter, or later from the topic.
 
     Until then the service ``~/ready`` says what is missing.
 
@@ -79,7 +79,7 @@ def when_robot_known(
         return described, {"robot": loaded.robot}
 
     def load_walking(robot: str) -> tuple[RobotDescription, dict[str, Any]]:
-        # What is compiled for legs is loaded only where there are some.
+        # Compiled code for legs is loaded only if there are some.
         from robomech_ros.walking import load_legged
 
         legs = load_legged(robot)
@@ -96,7 +96,7 @@ def when_robot_known(
 
 
 def _refuse(node: Node, robot: str, parallel: bool) -> None:
-    """Say what a node does not do with a parallel robot."""
+    """Return the reason why a node cannot serve a parallel robot."""
     if parallel:
         expected = f"none for '{robot}': a parallel robot has the limits of its own document"
         raise BadValueError("joint_limits", "a file", expected)
@@ -105,7 +105,7 @@ def _refuse(node: Node, robot: str, parallel: bool) -> None:
 
 
 class _WaitingNode:
-    """A node whose robot, or the SRDF with the group that is meant, comes by a topic."""
+    """Wait of a node for a topic with its robot, or with the SRDF of its group."""
 
     def __init__(
         self,
@@ -147,7 +147,7 @@ class _WaitingNode:
         self._try()
 
     def _try(self) -> None:
-        """Begin with the robot, if it is known and can be used."""
+        """Begin with the robot if it is known and usable."""
         if self._done or not self._robot:
             return
         if self._source.lacks_group:
@@ -156,7 +156,7 @@ class _WaitingNode:
             return
         try:
             if self._by_topic and not is_document(self._robot):
-                # It must not name a file: whoever can publish would have that read here.
+                # It must not name a file, or any publisher could have files read here.
                 expected = "the text of a URDF; names and files are for the parameter"
                 raise BadValueError("the robot", self._robot[:_SHOWN], expected)
             self._begin(self._robot)

@@ -19,12 +19,12 @@ _LONGEST_NOTE = 500
 
 
 class SemanticSource:
-    """Joint groups of the robot, as the node knows them.
+    """Joint groups of the robot.
 
-    Where the parameter is empty, it listens to the topic.  What comes from there never changes the
-    configured chain or its home posture: whether it comes before the robot is chance.
+    If the parameter is empty, it listens to the topic.  A document from there never changes the
+    configured chain or its home posture: it may arrive before or after the robot.
 
-    - ``node``: owner of the subscription, and whose log names what is odd in an SRDF.
+    - ``node``: owner of the subscription, and of the log of faults in an SRDF.
     """
 
     def __init__(self, node: Node, settings: RobotSettings) -> None:
@@ -42,7 +42,7 @@ class SemanticSource:
 
     @property
     def lacks_group(self) -> bool:
-        """Whether the parameter group names one that only an SRDF can have, and none is known."""
+        """True if the parameter group names one that only an SRDF can have, and none is known."""
         listed = [entry.split(":")[0].strip() for entry in self._groups]
         known = bool(self._given or self._received)
         return bool(self._group) and self._group not in listed and not known
@@ -56,7 +56,7 @@ class SemanticSource:
         return known if self._given else replace(known, states={})
 
     def supply_groups(self, model: RobotModel) -> None:
-        """Give a robot its groups, now and whenever another SRDF arrives."""
+        """Set the groups of a robot, now and whenever another SRDF arrives."""
         self._model = model
         known = self._read(model.description)
         model.learn(known)
@@ -72,13 +72,13 @@ class SemanticSource:
         except RobomechError as error:
             if not self._received:
                 raise
-            # Of another robot, perhaps: it must not keep this one from starting.
+            # It may be of another robot, and must not prevent the start.
             self._drop(error)
             return self._read(description)
 
     def _receive(self, message: String) -> None:
         if not is_xml(message.data):
-            # What comes by the topic is a document and never names a file.
+            # A message on the topic is a document and never names a file.
             self._complain("it is no XML")
             return
         if self._model is not None and message.data == self._received:

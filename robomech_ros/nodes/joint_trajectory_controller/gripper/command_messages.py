@@ -41,10 +41,7 @@ class GripperMessages:
 
 
 class ParallelGripperMessages(GripperMessages):
-    """Messages of the action ParallelGripperCommand.
-
-    Efforts have the sign of the direction in which they press.
-    """
+    """Messages of ParallelGripperCommand; efforts have the sign of their direction."""
 
     type_name = "ParallelGripperCommand"
 

@@ -36,10 +36,7 @@ _NAME = re.compile(r"~?/?([A-Za-z_]\w*/)*[A-Za-z_]\w*", re.ASCII)
 def gripper_of(
     model: RobotModel, settings: ControllerSettings, clock: MotionClock, lock: "threading.RLock"
 ) -> "Gripper | None":
-    """Make the gripper behind the chain of a robot; None where it has none.
-
-    Raises ParameterError: parameters do not fit the robot.
-    """
+    """Make the gripper behind the chain, or None; ParameterError for wrong parameters."""
     _check_places(settings)
     joints = known_finger_joints(model, settings)
     return Gripper(model, joints, settings, clock, lock) if joints else None

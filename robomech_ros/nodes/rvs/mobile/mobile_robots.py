@@ -49,7 +49,7 @@ def _rolling(settings: RvsSettings) -> MobileRobot:
 
 
 def _walking(settings: RvsSettings) -> MobileRobot:
-    # What is compiled for legs is loaded only where there are some.
+    # Compiled code for legs is loaded only if there are some.
     from robomech_ros.walking import load_legged
 
     legs, node = load_legged(settings.robot_description), settings.walker

@@ -81,7 +81,7 @@ class RunningMobileRobot(JoggedRobot):
         self._jogger = TwistJogger(self._node, self._robot, self._settings, view.show_jog)
 
     def hold(self, beat: HoldHeartbeat, speed: float) -> None:
-        """Jog while this is said again and again, at a part of the greatest jogging speed."""
+        """Jog while this call is repeated, at a fraction of the greatest jogging speed."""
         self._jogger.press((beat.direction, speed), beat)
 
     def stop(self) -> None:
@@ -93,12 +93,12 @@ class RunningMobileRobot(JoggedRobot):
         self._view.show_result(text, failed=bool(missing))
 
     def choose_gait(self, gait: str) -> None:
-        """Have it walk in another gait."""
+        """Request another gait."""
         if self._gaits is not None:
             self._command(self._gaits, String(data=gait), f"Gait '{gait}': as soon as it stands.")
 
     def move_trunk(self, shift: Sequence[float]) -> None:
-        """Have the trunk take a pose beside the level one: x, y, z (m), roll, pitch, yaw (rad)."""
+        """Request a trunk pose relative to the level one: x, y, z (m), roll, pitch, yaw (rad)."""
         if self._poses is not None:
             position, angles = np.array(shift[:3]), np.array(shift[3:])
             T = assembled(matrix_from_roll_pitch_yaw(angles), position)

@@ -23,14 +23,14 @@ from robomech_ros.kinetostatics.conditioning import length_scale
 from robomech_ros.robots import SerialChain
 from robomech_ros.typing import Array
 
-# Rows of the Jacobian, by what they are of, and the units of their velocities and forces.
+# Rows of the Jacobian by kind, and the units of their velocities and forces.
 ROWS = {"translation": slice(3, 6), "rotation": slice(0, 3)}
 UNITS = {"translation": ("m/s", "N"), "rotation": ("rad/s", "N m")}
 # In reaches of the arm: half an axis of the ellipsoid of a tip that moves with one reach a second,
 # or turns with one rad/s; that of a force, at the same; and the least and the most that is drawn.
 VELOCITY, FORCE = 0.3, 0.075
 LEAST, MOST = 0.004, 0.5
-# Length of an arrow in reaches, and parts of a twist that are none.
+# Length of an arrow in reaches, and negligible fraction of a twist.
 ARROW, NONE = 0.35, 1e-3
 
 
@@ -73,7 +73,7 @@ class NextSingularity:
 
 
 class DrawnEllipsoid(NamedTuple):
-    """An ellipsoid as it is drawn, and its true half-axes."""
+    """A drawn ellipsoid, and its true half-axes."""
 
     #: Pose of its axes, with the tip as origin, in the base (m), shape (4, 4).
     pose: Array
@@ -94,7 +94,7 @@ class TwistArrows(NamedTuple):
 
 
 def arm_facts(chain: SerialChain) -> ArmFacts:
-    """Find what is the same in every posture of an arm; takes a second or two.
+    """Compute the facts that hold in every posture of an arm; takes a second or two.
 
     - ``chain``: an arm with at least one joint.
     """
@@ -108,9 +108,9 @@ def arm_facts(chain: SerialChain) -> ArmFacts:
 
 
 def posture_facts(chain: SerialChain, q: Array, length: float) -> PostureFacts:
-    """Judge a posture.
+    """Analyse a posture.
 
-    - ``length``: length by which linear motions are divided (m).
+    - ``length``: divisor of linear motions (m).
     """
     report = singularity_report(chain, q, length=length)
     assert isinstance(report, SingularityReport)
@@ -122,7 +122,7 @@ def posture_facts(chain: SerialChain, q: Array, length: float) -> PostureFacts:
 
 
 def next_singularity(chain: SerialChain, q: Array, length: float) -> NextSingularity:
-    """Search for the singular posture that is nearest, and name it; takes some 0.1 s.
+    """Search for the nearest singular posture, and name it; takes some 0.1 s.
 
     - ``chain``, ``q``, ``length``: as for :func:`posture_facts`.
     """
@@ -162,7 +162,7 @@ def twist_arrows(tip: Array, twists: Array, reach: float) -> TwistArrows:
     - ``tip``: position of the tip in the base (m), shape (3,).
     - ``twists``: twists, angular first, in the base (rad/s and m/s), shape (r, 6).
     """
-    # A motion counts beside a rotation as far as it moves the arm.
+    # Translations are scaled by the size of the arm for comparison with rotations.
     sizes = np.maximum(np.linalg.norm(twists * np.repeat((reach, 1.0), 3), axis=1), 1e-300)
     arrows = []
     for rows, weight in ((slice(3, 6), 1.0), (slice(0, 3), reach)):

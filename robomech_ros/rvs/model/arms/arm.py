@@ -1,4 +1,4 @@
-"""The arm that is seen: where it is, where it is dragged to, and what that pose allows."""
+"""The displayed arm: its posture, the pose to which it is dragged, and the study of that pose."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from robomech_ros.typing import Array
 
 # Half the travel of sliders of sliding joints without a limit (m).
 OPEN_SLIDE = 1.0
-# Conditions that a pose puts; an arm with fewer joints hardly ever takes one exactly.
+# Conditions of a pose; an arm with fewer joints hardly ever reaches one exactly.
 CONDITIONS = 6
 
 
 class ArmView(DraggableRobot):
-    """An arm with its present posture and the pose that its tip is to take.
+    """An arm with its present posture and the desired pose of its tip.
 
     - ``q``: initial posture (rad or m), shape (n,); default its home.
     - ``others``: joints beside the chain, such as those of a gripper (rad or m).
@@ -46,7 +46,7 @@ class ArmView(DraggableRobot):
         self._look_around()
 
     def follow(self, q: Array) -> None:
-        """Be where a robot is (rad or m), at the limits where that is outside."""
+        """Take the joint values of a robot (rad or m), clipped to the limits."""
         self.move_to(np.clip(q, self.chain.lower, self.chain.upper))
 
     @property
@@ -63,7 +63,7 @@ class ArmView(DraggableRobot):
         return () if self.world is None else self.world.touching(self._q)
 
     def positions_of(self, q: Array) -> dict[str, float]:
-        """Name the joints of a posture (n,), and those beside the arm."""
+        """Return the joints of a posture (n,) and those beside the arm, by name."""
         return {**self.others, **super().positions_of(q)}
 
     @property
@@ -80,7 +80,7 @@ class ArmView(DraggableRobot):
         return np.clip(values, self.chain.lower, self.chain.upper)
 
     def like(self, chain: SerialChain) -> ArmView:
-        """Return another arm in the same posture, or at home where it has no such posture."""
+        """Return another arm in the same posture, or at home if it has no such posture."""
         same = chain.joint_names == self.chain.joint_names
         inside = same and bool(((self._q >= chain.lower) & (self._q <= chain.upper)).all())
         return ArmView(chain, self._q if inside else None)
@@ -103,9 +103,9 @@ class ArmView(DraggableRobot):
         return Ghosts(seen.tree.chain(self.chain.base, self.chain.tip), seen.shapes)
 
     def drag(self, T: ArrayLike) -> None:
-        """Bring the tip to a pose, in the posture nearest to the present one.
+        """Move the tip to a pose, in the posture nearest to the present one.
 
-        Where no posture takes it, the arm stays, unless it has too few joints for poses in general:
+        If no posture reaches it, the arm stays, unless it has too few joints for poses in general:
         then it goes to the posture that misses the pose least.
         """
         study = study_pose(self.chain, as_pose(T), self._q)
@@ -118,13 +118,13 @@ class ArmView(DraggableRobot):
         self._study = study
 
     def release(self) -> None:
-        """Let go of the gizmo: where the arm could not follow, it goes back to the tip."""
+        """Release the gizmo; if the arm could not follow, it returns to the tip."""
         self._look_around()
 
     def self_motion(self) -> SelfMotionCurve | None:
-        """Return how the arm can move while its tip stays; None if it cannot.
+        """Return the self-motion of the arm at its pose; None if there is none.
 
-        It begins where the arm was last brought to; :meth:`slide` moves the arm along it.
+        It begins at the last set posture; :meth:`slide` moves the arm along it.
         """
         if not self._curve_known:
             self._curve, self._curve_known = self_motion_curve(self.chain, self._q), True

@@ -1,4 +1,4 @@
-"""An arm as a Denavit-Hartenberg table of which a number is changed: another robot."""
+"""An arm as a Denavit-Hartenberg table with a changed entry: another robot."""
 
 import dataclasses
 from typing import NamedTuple

@@ -8,9 +8,9 @@ from robomech_ros.robots import PRISMATIC, DHTable
 from robomech_ros.robots.dh_table import link_transforms
 from robomech_ros.typing import Array
 
-# Axes are drawn so far beyond the points between which they matter, in the reach of the robot.
+# Length of axes beyond their first and last point, in reaches of the robot.
 _BEYOND = 0.15
-# Lengths below this (m) are no segments.
+# Least length of a segment (m).
 _NONE = 1e-9
 
 

@@ -10,7 +10,7 @@ from robomech_ros.regular_files import read_regular
 from robomech_ros.robots.urdf.mesh_files import MeshError
 from robomech_ros.rvs.model.bodies.solids import Solid
 
-# Bytes of a file, and triangles in it: more than any maker's arm has, less than a browser bears.
+# Most bytes and triangles of a file: above those of real arms, below the limit of a browser.
 LARGEST_MESH = 64 * 1024 * 1024
 MOST_TRIANGLES = 2_000_000
 
@@ -18,7 +18,7 @@ Colour = tuple[float, float, float, float]
 
 
 class ColouredSolid(NamedTuple):
-    """A part of a mesh; its colour (red, green, blue, alpha, 0 to 1) is None where it has none."""
+    """A part of a mesh, and its colour (red, green, blue, alpha, 0 to 1) or None."""
 
     solid: Solid
     colour: Colour | None
@@ -27,7 +27,7 @@ class ColouredSolid(NamedTuple):
 def read_mesh(path: Path, filename: str) -> list[ColouredSolid]:
     """Read the triangles of a file (STL, OBJ, PLY, GLB; DAE where pycollada is installed).
 
-    - ``filename``: what the URDF calls it, for messages.
+    - ``filename``: its name in the URDF, for messages.
 
     Raises MeshError: it cannot be read, is too large, or has no triangle.
     """
@@ -37,11 +37,11 @@ def read_mesh(path: Path, filename: str) -> list[ColouredSolid]:
         raise MeshError(filename, "needs viser: pip install 'robomech_ros[view]'") from None
     try:
         data = io.BytesIO(read_regular(path, LARGEST_MESH))
-        # Without a resolver nothing is read that the file refers to.
+        # Without a resolver no referenced file is read.
         scene = trimesh.load_scene(data, file_type=path.suffix.lower().lstrip("."))
         parts = scene.dump(concatenate=False)
     except Exception as error:
-        # Its readers raise whatever their formats suggest.
+        # Its readers raise many types of exceptions.
         why = f"{type(error).__name__}: {str(error)[:200]}"
         raise MeshError(filename, f"cannot be read ({why})") from None
     meshes = [part for part in parts if isinstance(part, trimesh.Trimesh) and len(part.faces)]

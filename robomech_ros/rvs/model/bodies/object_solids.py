@@ -33,7 +33,7 @@ class ObjectPart(NamedTuple):
         return corners
 
     def is_same(self, other: ObjectPart) -> bool:
-        """Whether another part looks the same."""
+        """Return whether another part looks the same."""
         pairs = (*zip(self.solid, other.solid, strict=True), (self.pose, other.pose))
         return all(np.array_equal(mine, its) for mine, its in pairs)
 

@@ -1,4 +1,4 @@
-"""A robot as it is seen: a tree of links, each with its bodies."""
+"""The drawn robot: a tree of links with their bodies."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ from robomech_ros.typing import Array
 
 Colour = tuple[float, float, float, float]
 
-# Of bodies without a colour of their own, and of what stands for a mesh that is missing (m).
+# Default colour of bodies, and size of the placeholder for a missing mesh (m).
 PLAIN: Colour = (0.72, 0.74, 0.77, 1.0)
 STAND_IN = 0.03
 # Links nearer together than this are at one point (m).
@@ -30,7 +30,7 @@ POINT = 1e-9
 
 
 class _ShapeError(RobomechError):
-    """A box, cylinder or sphere has sizes that no body has; the text says which."""
+    """A box, cylinder or sphere has impossible sizes; the text names them."""
 
     def __init__(self, visual: Visual) -> None:
         sizes = " x ".join(f"{measure:g}" for measure in visual.measures)
@@ -52,7 +52,7 @@ class BodyVisual:
 
 @dataclass(frozen=True, eq=False)
 class VisualModel:
-    """A robot and the bodies by which it is drawn."""
+    """A robot and its drawn bodies."""
 
     #: Links and joints of the robot; every joint's axis is in the frame of its link.
     tree: RobotDescription
@@ -87,7 +87,7 @@ class VisualModel:
     def reach(self) -> float:
         """Size of the robot at rest (m): how far its links are from the root, at least 0.1.
 
-        Where all links turn about one point, how far its bodies are.
+        If all links turn about one point: the distance of its bodies.
         """
         places = [T[:3, 3] for T in self.tree.link_poses().values()]
         size = max([0.0, *(float(np.linalg.norm(place)) for place in places)])
@@ -98,10 +98,7 @@ class VisualModel:
 
 
 def load_visual_model(description: RobotDescription) -> VisualModel:
-    """Collect what is to be seen of a robot, meshes where they are found.
-
-    Raises RobotDescriptionError: a visual body has an invalid number.
-    """
+    """Collect the drawn bodies of a robot; RobotDescriptionError for an invalid number."""
     document = urdf_from_description(description)
     tree = description_from_urdf(document, description.where)
     file = Path(description.where)
@@ -139,7 +136,7 @@ def _bodies(visual: Visual, folder: Path | None) -> list[BodyVisual]:
         raise _ShapeError(visual)
     makers: dict[str, Callable[..., Solid]] = {"box": box, "cylinder": cylinder, "sphere": sphere}
     solid = makers[visual.kind](*visual.measures)
-    # A flat one is seen, one without any width is not.
+    # A flat body is visible, one without any width is not.
     if np.count_nonzero(np.ptp(solid.vertices, axis=0)) < 2:
         raise _ShapeError(visual)
     return [BodyVisual(visual.link, visual.pose, solid, colour)]

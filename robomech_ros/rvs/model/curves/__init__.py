@@ -1,1 +1,1 @@
-"""Two curves in a plane, whose crossings are found."""
+"""Two curves in a plane, and their crossings."""

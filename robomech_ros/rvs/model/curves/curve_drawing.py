@@ -10,14 +10,14 @@ import numpy as np
 from robomech_ros.rvs.model.curves.curve_problems import Axis
 from robomech_ros.typing import Array
 
-# Of the first and the second curve, and of the steps; told apart on light and dark ground.
+# Colours of the two curves and of the steps, for light and dark backgrounds.
 COLOURS = ("#2f7fd1", "#e07b1a")
 STEPS, ROOT = "#d6336c", "rgb(47,158,68)"
 # The picture, and the rectangle in it that shows the plane: its left and lower edges, its width and
-# height, and what is left on its right.
+# height, and margin on its right.
 HEIGHT = 352.0
 LEFT, BOTTOM, SIDE, TOP, RIGHT = 46.0, 312.0, 306.0, 304.0, 8.0
-# Points of a curve that are nearer to each other than this are drawn as one.
+# Least distance of drawn points of a curve.
 FINE = 0.6
 TICK = 4.0
 MOST_TICKS = 6
@@ -43,7 +43,7 @@ def draw_curves(
     path: Array | None = None,
     on_press: str = "",
 ) -> str:
-    """Draw two curves as SVG that is as wide as there is room.
+    """Draw two curves as SVG of the full width.
 
     - ``curves``: pieces of each curve, shape (k, 2).
     - ``path``: steps of an iteration, the estimate first, shape (k, 2).
@@ -67,7 +67,7 @@ def draw_plane(
     on_press: str = "",
     side: float = SIDE,
 ) -> str:
-    """Draw axes as SVG that is as wide as there is room.
+    """Draw axes as SVG of the full width.
 
     - ``name``: name of the drawing, its attribute ``data-name``.
     - ``inside``, ``above``: SVG in the plane, cut off at its edges, and above it; see
@@ -89,12 +89,12 @@ def draw_plane(
 
 
 def part_of_width(side: float) -> float:
-    """Return how wide a drawing is, as part of one whose plane is as wide as it can be."""
+    """Return the width of a drawing as a fraction of the widest one."""
     return (LEFT + side + RIGHT) / (LEFT + SIDE + RIGHT)
 
 
 def place_script(axes: tuple[Axis, Axis], side: float = SIDE) -> str:
-    """Return JavaScript that makes ``text`` of where the drawing is clicked; empty outside."""
+    """Return JavaScript that sets ``text`` to the clicked coordinates; empty outside."""
     (_, _, x, right), (_, _, y, top) = axes
     return (
         "var p=new DOMPoint(event.clientX,event.clientY)"
@@ -123,7 +123,7 @@ def curve_line(axes: tuple[Axis, Axis], pieces: Sequence[Array], side: float = S
 
 
 def thinned(points: Array, spacing: float) -> Array:
-    """Leave out points of a line that are closer to each other than a spacing, but not its ends."""
+    """Thin the points of a line to a spacing, with its ends."""
     lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     kept = np.diff(np.floor(lengths / spacing), prepend=-1.0) > 0.0
     kept[-1] = True
@@ -197,10 +197,10 @@ def _title(axis: Axis) -> str:
 
 
 def _ticks(axis: Axis, most: float = MOST_TICKS) -> list[tuple[float, str]]:
-    """Return where an axis has ticks, and what is written there."""
+    """Return the positions and labels of an axis's ticks."""
     width = axis.high - axis.low
     if axis.unit == "rad" and math.isclose(width, 2.0 * math.pi):
-        # A turn: halves of pi, whatever it begins with.
+        # An angle: multiples of half pi.
         first = math.ceil(axis.low / (0.5 * math.pi) - 1e-9)
         last = math.floor(axis.high / (0.5 * math.pi) + 1e-9)
         return [(0.5 * math.pi * k, _of_pi(k)) for k in range(first, last + 1)]

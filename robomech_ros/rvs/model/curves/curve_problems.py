@@ -16,7 +16,7 @@ from robomech_ros.robots import SerialChain
 from robomech_ros.robots.documents.numbers_in_text import number
 from robomech_ros.typing import Array
 
-# What a root leaves of the other equations, as part of their size; where curves touch, a crossing
+# Relative residual of a root in the other equations; where curves touch, a crossing
 # is known to the root of the rounding.
 LEFT = 1e-6
 # Joints over which contours are drawn, from 0.
@@ -24,7 +24,7 @@ JOINTS = (3, 4)
 
 
 class Axis(NamedTuple):
-    """One unknown of a plot, with its unit (empty for a mere number) and between what it is."""
+    """One unknown of a plot, with its unit (empty for a plain number) and its range."""
 
     name: str
     unit: str
@@ -53,10 +53,10 @@ class Finding:
 
 
 class CurveProblem:
-    """Two curves, and what is known of where they cross.
+    """Two curves, and their known crossings.
 
     - ``axes``: the two unknowns.
-    - ``others``: how many equations are left over.
+    - ``others``: number of other equations.
     - ``source``: makes the curves, and refines their crossings.
     """
 
@@ -81,7 +81,7 @@ class CurveProblem:
 def posture_problem(chain: SerialChain, T: Array, pair: tuple[int, int]) -> CurveProblem:
     """Draw the postures of an arm of six revolute joints at a pose, over joints 4 and 5.
 
-    - ``chain``: an arm for which :func:`what_is_missing` returns an empty text.
+    - ``chain``: an arm accepted by :func:`what_is_missing`, which returns an empty text.
     - ``T``: pose of the tip in the base (m), shape (4, 4).
     - ``pair``: which two equations, counted in :func:`minor_names`.
     """
@@ -101,7 +101,7 @@ def equations_problem(
 
     - ``equations``: as for :class:`~robomech_ros.numerics.CurvePair`, all of them.
     - ``pair``: the two that are drawn.
-    - ``count``: how many there are.
+    - ``count``: number of equations.
     - ``period``: period of both unknowns.
     """
     rest = [k for k in range(count) if k not in pair]
@@ -122,7 +122,7 @@ def minor_names() -> tuple[str, ...]:
 
 
 def what_is_missing(chain: SerialChain) -> str:
-    """Say in a sentence why no contours can be drawn of an arm; empty where they can."""
+    """Say why no contours can be drawn for an arm; empty if they can."""
     if chain.n == 6 and not chain.types.any() and chain.coupling is None:
         return ""
     if chain.coupling is not None:

@@ -1,1 +1,1 @@
-"""A hand that holds an object: what is touched, what is drawn, and what holds."""
+"""A hand that holds an object: contacts, drawing, and closure."""

@@ -10,16 +10,16 @@ from robomech_ros.robots.urdf.shapes import Shape
 from robomech_ros.rvs.model.ghosts import GhostPieces, Ghosts, Rgb
 from robomech_ros.typing import Array
 
-# Fingers nearer to each other than this are in one posture (rad or m).
+# Largest difference of fingers in one posture (rad or m).
 SAME = 1e-6
 
 
 class HandGhosts:
-    """The pieces of a hand, for as many postures as there are.
+    """The pieces of a hand, for any number of postures.
 
-    - ``fingers``: in the tree that is drawn.
+    - ``fingers``: fingers in the drawn tree.
     - ``shapes``: bodies of its links.
-    - ``present``: gives the posture of the hand (rad or m).
+    - ``present``: returns the posture of the hand (rad or m).
     """
 
     def __init__(
@@ -35,7 +35,7 @@ class HandGhosts:
         self.pieces = sum(one.pieces for one in self._fingers)
 
     def middles(self, postures: Sequence[Array]) -> Array:
-        """Return where numbers are written (k, 3), in the palm (m): amid fingers that differ.
+        """Return the positions of labels (k, 3) in the palm (m), amid fingers that differ.
 
         At the last joints of these, where postures are farthest from each other.
         """
@@ -63,6 +63,6 @@ class HandGhosts:
 
 
 def _last_joints(finger: SerialChain, postures: Sequence[Array]) -> Array:
-    """Return where the last joint of a finger is in postures, shape (k, 3) (m)."""
+    """Return the positions (k, 3) (m) of a finger's last joint in postures."""
     link = f"{finger.joint_names[-1]}_link"
     return np.asarray(link_poses(finger, np.array(postures), [link])[:, 0, :3, 3])

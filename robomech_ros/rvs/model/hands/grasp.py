@@ -22,7 +22,7 @@ from robomech_ros.typing import Array
 
 Line = tuple[str, str]
 
-# Friction is used up from here on: forces are inside their cones to rounding.
+# Fraction at which friction counts as fully used: forces are in their cones up to rounding.
 USED_UP = 0.999
 
 
@@ -59,7 +59,7 @@ class GraspStudy:
 
 
 def study_grasp(grasp: Grasp) -> GraspStudy:
-    """Find whether contacts are closed, and the smallest forces that hold the load."""
+    """Test contacts for closure, and find the smallest forces that hold the load."""
     contacts = grasp.contacts
     if not contacts:
         return GraspStudy(np.empty((0, 3)), None, (("closure", "no finger touches the object"),))
@@ -77,7 +77,7 @@ def study_grasp(grasp: Grasp) -> GraspStudy:
 
 
 def quality_line(grasp: Grasp) -> Line:
-    """Say how good contacts are; takes some 0.01 to 0.3 s."""
+    """Describe the quality of contacts; takes some 0.01 to 0.3 s."""
     if not grasp.contacts:
         return ("quality", "0")
     length = span(grasp.contacts, grasp.centre)

@@ -1,4 +1,4 @@
-"""A hand that is seen: its fingers follow the object that they touch."""
+"""The displayed hand: its fingers follow the object that they touch."""
 
 import math
 from collections.abc import Hashable, Mapping, Sequence
@@ -21,18 +21,18 @@ from robomech_ros.spatial import roll_pitch_yaw_from_matrix
 from robomech_ros.typing import Array
 
 SHAPES = ("ball", "cylinder", "box")
-# Where the object is at first, on the way from the middle of the fingers' bases to that of their
-# tips with all joints amid their limits: short of the end, so that fingers can follow it.
+# First position of the object, as a fraction of the line from the middle of the fingers' bases to
+# that of their tips at mid-range: short of the end, so that fingers can follow it.
 OUT = 0.85
-# Sizes of the object that are tried at first, parts of how far the tips are from their middle.
+# First sizes of the object, relative to the distance of the tips from their middle.
 SIZES = (0.7, 0.6, 0.5, 0.4, 0.3, 0.2)
-# Of the contacts at first; the torsional friction in sizes of the object; and the load (N).
+# First contacts: friction, torsional friction in sizes of the object, and load (N).
 FRICTION, TORSIONAL, WEIGHT = 0.6, 0.2, 2.0
 
-# Of a spot: from, to, and the unit; and between what the size is, times that at first.
+# Range and unit of a contact's coordinates; range of the size relative to the first one.
 SPOT = {"angle": (-math.pi, math.pi, "rad"), "height": (-0.95, 0.95, "times the size")}
 SMALLEST, LARGEST = 0.2, 1.5
-# What reasons end with, where the orientation of a tip is free, as that of all fingers here is.
+# End of reasons for tips with free orientation, as of all fingers here.
 MASKED = "; only x, y and z"
 
 
@@ -55,10 +55,10 @@ class HeldObject:
         return cylinder(self.size, width) if self.shape == "cylinder" else box(width, width, width)
 
     def touched(self, angle: float, height: float) -> tuple[Array, Array]:
-        """Return a place of the surface and the normal into the object, each shape (3,).
+        """Return a point of the surface and the normal into the object, each shape (3,).
 
-        - ``angle``: angle of the place about z, from x (rad).
-        - ``height``: height of the place along z, from -1 to 1 times the size.
+        - ``angle``: angle of the point about z, from x (rad).
+        - ``height``: height of the point along z, from -1 to 1 times the size.
         """
         outwards = np.array([math.cos(angle), math.sin(angle), 0.0])
         if self.shape == "ball":
@@ -75,7 +75,7 @@ class HeldObject:
 
 @dataclass(frozen=True)
 class Spot:
-    """Place on the object that a finger is to touch.
+    """Point of the object for a finger to touch.
 
     - ``angle``, ``height``: as for ``HeldObject.touched``.
     """
@@ -89,7 +89,7 @@ class Spot:
 class HandView(TreeView):
     """A hand, the object between its fingers, and a load; not for several threads at a time.
 
-    - ``spots``: the place for each finger.
+    - ``spots``: the contact point of each finger.
     - ``model``: model of all contacts, see :class:`~robomech_ros.hands.Contact`.
     - ``friction``, ``torsional``: coefficients of friction, the torsional one in m.
     - ``load``: load on the object, shape (6,): moment about its centre (N m), then force (N), in
@@ -140,7 +140,7 @@ class HandView(TreeView):
 
     @property
     def state(self) -> Hashable:
-        """All that the grasp depends on."""
+        """State that determines the grasp."""
         contacts = (self.held, self.model, self.friction, self.torsional, *self.spots)
         return (self.q.tobytes(), self.load.tobytes(), *contacts)
 
@@ -157,18 +157,18 @@ class HandView(TreeView):
 
     @property
     def faulty_links(self) -> tuple[str, ...]:
-        """The fingers that are to touch the object and do not reach it."""
+        """The fingers that should touch the object but do not reach it."""
         missing = [k for k, spot in enumerate(self.spots) if spot.touches and k not in self.reached]
         return tuple(link for k in missing for link in finger_links(self.hand.fingers[k]))
 
     def contact(self, finger: int) -> Contact:
-        """Return where a finger touches, in the frame of the object."""
+        """Return the contact of a finger, in the frame of the object."""
         spot = self.spots[finger]
         place, normal = self.held.touched(spot.angle, spot.height)
         return Contact(place, normal, self.model, self.friction, self.torsional)
 
     def contacts(self, fingers: Sequence[int]) -> tuple[Contact, ...]:
-        """Return where fingers touch, in the palm."""
+        """Return the contacts of fingers, in the palm."""
         T = self.tip
         found = []
         for one in map(self.contact, fingers):
@@ -184,12 +184,12 @@ class HandView(TreeView):
         return Grasp(self.hand, self.fingers_q, contacts, self.reached, centre, self.load)
 
     def place(self, positions: Mapping[str, float]) -> None:
-        """Put joints where they are (rad or m), of fingers or object; fingers follow."""
+        """Set joints of fingers or object (rad or m); fingers follow."""
         super().place(positions)
         self._follow()
 
     def touch(self) -> None:
-        """Let the fingers follow, after something of object or contacts has changed."""
+        """Move the fingers after a change of the object or of contacts."""
         self._follow()
 
     def dragged(self, T: Array) -> Mapping[str, float]:
@@ -209,7 +209,7 @@ class HandView(TreeView):
         return dict(zip(self.hand.joint_names, q.tolist(), strict=True))
 
     def _follow(self) -> None:
-        """Bring the fingers to their contacts, in the postures nearest to the present ones."""
+        """Move the fingers to their contacts, in the postures nearest to the present ones."""
         hand, T, q = self.hand, self.tip, self.fingers_q
         wanted = [k for k, spot in enumerate(self.spots) if spot.touches]
         self.reached = ()
@@ -291,7 +291,7 @@ def _length(finger: SerialChain) -> float:
 
 
 def _spots(directions: Array) -> list[Spot]:
-    """Let each finger touch where its tip comes from, or all round where they are at one place."""
+    """Return contacts towards each tip, or evenly round if all tips are at one point."""
     if np.linalg.norm(directions[:, :2], axis=1).min() < 1e-6:
         n = len(directions)
         return [Spot(True, angle) for angle in 2.0 * np.pi * np.arange(n) / n]

@@ -15,12 +15,12 @@ from robomech_ros.robots.urdf.writer import written_urdf
 OBJECT = "object"
 OBJECT_JOINTS = ("object_x", "object_y", "object_z", "object_yaw", "object_pitch", "object_roll")
 _AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 1), (0, 1, 0), (1, 0, 0))
-# Of links without a body: too small a ball to be seen (m).
+# Radius of the ball of a link without a body (m): too small to be visible.
 _UNSEEN = [Shape(np.eye(4), 1e-5, 0.0, 0)]
 
 
 def hand_tree(hand: Hand) -> tuple[RobotDescription, Mapping[str, Sequence[Shape]]]:
-    """Put fingers side by side, and joints that place an object, which has no body here.
+    """Describe fingers on one palm, and joints that place an object without a body.
 
     Returns ``tree``: the link that a joint moves has the name of the joint, and ``_link``;
     ``shapes``: bodies of the fingers, by link.
@@ -44,10 +44,7 @@ def hand_tree(hand: Hand) -> tuple[RobotDescription, Mapping[str, Sequence[Shape
 
 
 def fingers_tree(hand: Hand) -> RobotDescription:
-    """Put fingers side by side on their palm.
-
-    The link that a joint moves has the name of the joint, and ``_link``.
-    """
+    """Describe fingers on one palm; the link of a joint has its name and ``_link``."""
     chains = [_with_own_links(finger) for finger in hand.fingers]
     return replace(tree_of_limbs(hand.name, chains, None, {}), document="", source=hand.source)
 
@@ -58,6 +55,6 @@ def finger_links(finger: SerialChain) -> tuple[str, ...]:
 
 
 def _with_own_links(finger: SerialChain) -> SerialChain:
-    """Leave out names of links, which two fingers may share."""
+    """Remove names of links, which two fingers may share."""
     ends = (finger.link_frame(finger.base), finger.link_frame(finger.tip))
     return replace(finger, frames=(ends[0], replace(ends[1], parent=finger.base)))

@@ -1,1 +1,1 @@
-"""Robots that are no arms, by their kinds: what of them is moved on a page."""
+"""Robots other than arms, by kind, and their parts that a page can move."""

@@ -1,4 +1,4 @@
-"""A robot that moves over the ground as it is commanded."""
+"""A mobile robot that follows commands."""
 
 from abc import abstractmethod
 from collections import deque
@@ -14,14 +14,14 @@ from robomech_ros.rvs.model.draggable import SliderRange
 from robomech_ros.rvs.model.kinds.tree_view import TreeView
 from robomech_ros.typing import Array
 
-# For how long the path ahead is drawn (s), in so many pieces.
+# Duration of the drawn path ahead (s), and number of its pieces.
 AHEAD, PIECES = 3.0, 60
 # Most positions of a trail, and their least distance (m, rad).
 MOST_POSITIONS, APART = 2000, 0.01
-# Height of a line over the ground (m), which would hide it.
+# Height of a line over the ground (m): on it, it would be hidden.
 LIFT = 0.004
 
-# Of a twist: its name, its unit, and its index in [w, vx, vy].
+# Components of a twist: name, unit, and index in [w, vx, vy].
 AXES = (("turn", "rad/s", 0), ("forward", "m/s", 1), ("sideways", "m/s", 2))
 
 
@@ -32,13 +32,13 @@ class Trail:
         self._positions: deque[Array] = deque(maxlen=MOST_POSITIONS)
 
     def add(self, pose: ArrayLike) -> None:
-        """Add x, y (m) and heading (rad), unless the last ones are as near as these."""
+        """Add x, y (m) and heading (rad), unless they are near the last ones."""
         position = np.array(pose, dtype=np.float64)
         if not self._positions or np.abs(self._positions[-1] - position).max() > APART:
             self._positions.append(position)
 
     def clear(self) -> None:
-        """Begin anew."""
+        """Clear all positions."""
         self._positions.clear()
 
     @property
@@ -83,12 +83,12 @@ class MobileRobotView(TreeView):
     @property
     @abstractmethod
     def allowed_twist(self) -> Array:
-        """The part of the command that limits leave, shape (3,) (rad/s, m/s)."""
+        """The part of the command within limits, shape (3,) (rad/s, m/s)."""
 
     @property
     @abstractmethod
     def stands(self) -> bool:
-        """Whether it does not move, and is on no way."""
+        """True if it stands still, without a path."""
 
     @abstractmethod
     def drive(self, steps: int, *, brake: bool = False) -> None:
@@ -96,14 +96,14 @@ class MobileRobotView(TreeView):
 
     @abstractmethod
     def preview(self) -> None:
-        """Say what becomes of the command, and mark what limits it."""
+        """Describe the effect of the command, and mark the parts that limit it."""
 
     @abstractmethod
     def facts(self) -> list[tuple[str, str]]:
-        """Write how it moves, for people."""
+        """Describe the motion."""
 
     def path_ahead(self) -> Array:
-        """Return the way that the command goes from here, within limits, shape (m, 3) (m)."""
+        """Return the path of the command from here, within limits, shape (m, 3) (m)."""
         twist, pose = self.allowed_twist, self.pose
         if not twist.any():
             return np.empty((0, 3))
@@ -112,6 +112,6 @@ class MobileRobotView(TreeView):
 
 
 def twist_facts(twist: Array, most: Sequence[float] | Array) -> list[tuple[str, str]]:
-    """Write the velocities [w, vx, vy] that there can be, for people."""
+    """Describe the possible velocities [w, vx, vy]."""
     # Adding 0 makes -0 a plain 0.
     return [(name, f"{twist[k] + 0.0:.3f} {unit}") for name, unit, k in AXES if most[k] or twist[k]]

@@ -1,4 +1,4 @@
-"""A rolling robot that is seen: it is placed by hand, or drives as its limits let it."""
+"""The displayed rolling robot: it is placed by hand, or drives within its limits."""
 
 import math
 from collections.abc import Mapping
@@ -13,18 +13,18 @@ from robomech_ros.rvs.model.draggable import SliderRange
 from robomech_ros.rvs.model.kinds.mobile_robot import MobileRobotView, twist_facts
 from robomech_ros.typing import Array
 
-# Of the steps of the simulation (s).
+# Step of the simulation (s).
 PERIOD = 0.02
-# Between what the sliders of x and y move it (m); the greatest velocity where there is no limit.
+# Range of the sliders of x and y (m); greatest velocity without a limit.
 FAR, OPEN = 5.0, 2.0
-# How many times larger its gizmo is, that it is seen beside the platform.
+# Factor of its gizmo, to be visible beside the platform.
 GIZMO = 3.0
-# Side of the square that is seen, in the length or width between the wheels.
+# Side of the visible square, in lengths or widths between the wheels.
 ROOM = 4.0
 
 
 class BaseView(MobileRobotView):
-    """A rolling robot with its present place; not for several threads at a time."""
+    """A rolling robot with its present pose; not for several threads at a time."""
 
     kind, verb, period = "rolling", "drive", PERIOD
 
@@ -54,7 +54,7 @@ class BaseView(MobileRobotView):
         return np.array([at[name] for name in BASE_JOINTS])
 
     def dragged(self, T: Array) -> Mapping[str, float]:
-        """Return where the base is put: on the ground, and turned about the vertical axis."""
+        """Return the pose of the base on the ground, turned about the vertical axis."""
         heading = math.atan2(T[1, 0], T[0, 0])
         x, y = (float(np.clip(value, -FAR, FAR)) for value in T[:2, 3])
         return dict(zip(BASE_JOINTS, (x, y, heading), strict=True))
@@ -65,7 +65,7 @@ class BaseView(MobileRobotView):
 
     @property
     def stands(self) -> bool:
-        """Whether it does not move."""
+        """True if it does not move."""
         return not self.motion.twist.any() and not self.motion.acceleration.any()
 
     def drive(self, steps: int, *, brake: bool = False) -> None:
@@ -91,7 +91,7 @@ class BaseView(MobileRobotView):
         self.preview()
 
     def preview(self) -> None:
-        """Say what limits the command, and mark the wheels that do."""
+        """Describe the limits on the command, and mark the limiting wheels."""
         limited = self.limiter.allowed(self.command)[1]
         text = f"{self.robot.drive} drive, mobility {self.robot.base.mobility.type}."
         shortened = [name for name in limited if name != "curvature"]
@@ -107,7 +107,7 @@ class BaseView(MobileRobotView):
         return self.limiter.allowed(self.command)[0]
 
     def facts(self) -> list[tuple[str, str]]:
-        """Write twist, wheels and steering as they are, for people."""
+        """Describe the present twist, wheels and steering."""
         base = self.robot.base
         lines = twist_facts(self.motion.twist, self.most)
         for name, wheel, rate in zip(base.names, base.wheels, self._simulated.rates, strict=True):

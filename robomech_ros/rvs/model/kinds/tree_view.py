@@ -1,4 +1,4 @@
-"""A robot that is neither an arm nor parallel: joints of a tree, and a link that is dragged."""
+"""A robot that is neither an arm nor parallel: joints of a tree, and a dragged link."""
 
 from collections.abc import Mapping, Sequence
 
@@ -17,7 +17,7 @@ from robomech_ros.typing import Array
 class TreeView(DraggableRobot):
     """A robot with its present joints; not for several threads at a time.
 
-    What takes part of a kind overrides ``dragged``.
+    A view of a kind of robots overrides ``dragged``.
 
     - ``travels``: range of the slider of each joint (rad or m).
     - ``end``: the link that is dragged; its poses refer to the root.
@@ -69,15 +69,15 @@ class TreeView(DraggableRobot):
 
     @property
     def faulty_links(self) -> tuple[str, ...]:
-        """Links that are in the way of what was asked for."""
+        """Links that block the requested motion."""
         return self._faulty
 
     def report(self, text: str, faulty: Sequence[str] = (), *, refused: bool = False) -> None:
-        """Say what is known, in a sentence, or why something is refused; and mark links."""
+        """Set the sentence of the study, or the reason for a rejection; and mark links."""
         self._text, self._faulty, self._refused = text, tuple(faulty), refused
 
     def place(self, positions: Mapping[str, float]) -> None:
-        """Put joints where they are (rad or m); the others stay."""
+        """Set joints (rad or m); the others stay."""
         self._q = self._q.copy()
         for name, value in positions.items():
             self._q[self._number[name]] = value
@@ -91,12 +91,12 @@ class TreeView(DraggableRobot):
         self.place(self.positions_of(np.array(q, dtype=np.float64)))
 
     def drag(self, T: ArrayLike) -> None:
-        """Bring the link to a pose (4, 4), as far as it can, in the root (m).
+        """Move the link to a pose (4, 4) in the root (m), as far as possible.
 
         Raises RobomechError: the matrix is not a pose, or the robot cannot take it and stays.
         """
         self.place(self.dragged(as_pose(T)))
 
     def dragged(self, T: Array) -> Mapping[str, float]:
-        """Return the joints that change as the link is brought to a pose."""
+        """Return the joints that change when the link moves to a pose."""
         raise BadValueError("pose", T.tolist(), f"none: '{self.end}' is not dragged")

@@ -19,7 +19,7 @@ def followed_motion(
     - ``times``: times (s), shape (m,).
     - ``drives``: positions of the drives (rad or m), shape (m, d).
     - ``rates``, ``accelerations``: their derivatives, shape (m, d); None if unknown.
-    - ``start``: posture in which the motion begins (rad or m), shape (n,).
+    - ``start``: first posture of the motion (rad or m), shape (n,).
     """
     q = follow_drives(mechanism, drives, start).q
     k, qd, qdd = len(q), None, None

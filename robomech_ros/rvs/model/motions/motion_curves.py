@@ -12,7 +12,7 @@ from robomech_ros.rvs.motion import Motion
 from robomech_ros.typing import Array
 
 QUANTITIES = ("position", "velocity", "acceleration", "jerk", "torque")
-# What follows the unit of a position in those of its derivatives.
+# Suffixes of the unit of a position for its derivatives.
 _PER = ("", "/s", "/s²", "/s³")
 
 
@@ -45,7 +45,7 @@ class MotionCurves(NamedTuple):
 def motion_curves(motion: Motion) -> MotionCurves:
     """Return the curves of a motion: of all joints of an arm, of the drives of a parallel robot.
 
-    Rates that the motion does not bring are differences of what it brings; torques are those of
+    Rates missing from the motion are differences of its samples; torques are those of
     the rigid bodies, without friction.
     """
     robot, times = motion.chain, motion.times - motion.times[0]
@@ -98,7 +98,7 @@ def _rate(values: Array, times: Array) -> Array:
 def _of_unit(
     units: list[str], name: str, values: Array, limits: tuple[Array, Array]
 ) -> list[Quantity]:
-    """Tell joints that turn from those that slide."""
+    """Separate revolute from prismatic joints."""
     quantities = []
     for unit in dict.fromkeys(units):
         joints = tuple(k for k, other in enumerate(units) if other == unit)

@@ -19,9 +19,9 @@ from robomech_ros.typing import Array
 # Kinds of paths: all joints or drives move together, or the tip or platform moves along a line.
 JOINTS, LINE = "joints", "line of the tip"
 PATH_KINDS = (JOINTS, LINE)
-# A curve is drawn by so many samples, and one at either side of each of its breaks (s).
+# Number of samples of a curve, and distance (s) of two samples about each of its breaks.
 SAMPLES, BESIDE_BREAKS = 200, 1e-7
-# A posture farther from the goal than this (rad or m) is another posture.
+# Largest distance of a posture from an equal goal (rad or m).
 SAME = 1e-4
 
 
@@ -81,7 +81,6 @@ def _by_drives(mechanism: Mechanism, start: Array, goal: Array, profile: str) ->
 def _along_line(
     robot: SerialChain | Mechanism, start: Array, goal: Array, profile: str
 ) -> MadePlan:
-    """Move tip or platform along the line to the pose of the goal, as far as it can follow."""
     ends = np.stack([start, goal])
     T = forward_kinematics(robot, ends) if isinstance(robot, SerialChain) else robot.pose(ends)
     try:

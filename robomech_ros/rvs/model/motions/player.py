@@ -32,24 +32,24 @@ class Player:
         self.time = min(max(finite_number("time", time, "s"), 0.0), self.duration)
 
     def set_speed(self, speed: float) -> None:
-        """Play so many times as fast."""
+        """Set the speed as a multiple of the motion's."""
         value = finite_number("speed", speed, "times that of the motion")
         if not SLOWEST <= value <= FASTEST:
             raise BadValueError("speed", speed, f"{SLOWEST:g} to {FASTEST:g}")
         self.speed = value
 
     def play(self) -> None:
-        """Play on, from the beginning where the end is reached."""
+        """Play on, from the beginning after the end."""
         self.playing = self.duration > 0.0
         if self.time >= self.duration:
             self.time = 0.0
 
     def pause(self) -> None:
-        """Stay where it is."""
+        """Pause."""
         self.playing = False
 
     def advance(self, seconds: float) -> None:
-        """Let time pass (s)."""
+        """Advance the time (s)."""
         if not self.playing:
             return
         time = self.time + self.speed * max(seconds, 0.0)

@@ -7,14 +7,14 @@ from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.typing import Array
 
-# Postures nearer in time than this are one (s); where nothing came for so long, the arm stood.
+# Postures nearer in time than this are one (s); without a posture for so long the arm stood still.
 NEAREST, STOOD = 0.005, 0.1
-# Some minutes of a hand at a slider.
+# Most postures: some minutes of slider motion.
 MOST_POSTURES_KEPT = 20_000
 
 
 class Recorder:
-    """Postures and when they were taken."""
+    """Recorded postures and their times."""
 
     def __init__(self) -> None:
         self._times: list[float] = []
@@ -22,11 +22,11 @@ class Recorder:
         self.running = False
 
     def begin(self, now: float, q: Array) -> None:
-        """Begin anew, at a time (s) in a posture (n,), rad or m."""
+        """Restart at a time (s) in a posture (n,), rad or m."""
         self._times, self._q, self.running = [now], [q.copy()], True
 
     def add(self, now: float, q: Array) -> bool:
-        """Keep a posture if it is another one; says whether the recording goes on."""
+        """Add a posture if it differs; return whether the recording goes on."""
         if not self.running or np.array_equal(q, self._q[-1]):
             return self.running
         if not self._hold(now) and now - self._times[-1] < NEAREST:
@@ -38,7 +38,7 @@ class Recorder:
         return self.running
 
     def end(self, now: float, chain: SerialChain) -> Motion:
-        """End it, and give the motion."""
+        """End the recording, and return the motion."""
         self.running = False
         if len(self._times) < 2:
             raise BadValueError("recording", "empty", "an arm that moves")
@@ -46,7 +46,7 @@ class Recorder:
         return Motion(chain, np.array(self._times) - self._times[0], np.array(self._q))
 
     def _hold(self, now: float) -> bool:
-        """Stay in the last posture until just before now, if it is a while ago; says whether."""
+        """Extend the last posture until just before now after a pause; return whether it did."""
         stood = now - self._times[-1] > STOOD
         if stood:
             self._times.append(now - NEAREST)

@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 
 # Radius of rods, part of the size of the robot.
 RADIUS = 0.012
-# Joints of a limb nearer to each other than this part of the size are one place.
+# Joints of a limb nearer to each other than this fraction of the size share a point.
 SAME = 1e-6
 
 
 def limb_points(mechanism: Mechanism, q: Array, reach: float) -> Array:
-    """Return where the joints of all limbs are.
+    """Return the positions of the joints of all limbs.
 
     - ``q``: postures (rad or m), shape (k, n).
     - ``reach``: distance of joints from the common point of their axes, if there is one (m).
@@ -58,7 +58,7 @@ def rod_poses(starts: Array, ends: Array) -> tuple[Array, Array]:
 
 
 class PlatformGhosts:
-    """The pieces of a parallel robot, for as many postures as there are.
+    """The pieces of a parallel robot, for any number of postures.
 
     - ``reach``: size of the drawn robot (m).
     - ``radius_scale``: factor of all radii; one of two ghosts in the same posture is thinner.
@@ -71,7 +71,7 @@ class PlatformGhosts:
         self.pieces = limbs * (joints - 1) + limbs
 
     def middles(self, postures: Sequence[Array]) -> Array:
-        """Return where numbers are written (k, 3), in the base (m): at the platform."""
+        """Return the positions of labels (k, 3) in the base (m), at the platform."""
         points = limb_points(self._mechanism, np.array(postures), self._reach)
         return np.asarray(points[:, :, -1].mean(axis=1))
 

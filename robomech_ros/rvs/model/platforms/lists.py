@@ -1,4 +1,4 @@
-"""Assembly modes and branches of a parallel robot, and how far it is from singular."""
+"""Assembly modes and branches of a parallel robot, and distance from singularities."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -42,7 +42,7 @@ def platform_list(
 
     - ``q``: present posture with closed loops (rad or m), shape (n,).
     - ``kind``: one of :data:`LISTS`.
-    - ``before``: the list of a moment ago, whose postures keep their numbers.
+    - ``before``: the previous list, whose postures keep their numbers.
     """
     mechanism = robot.mechanism
     if kind == LISTS[0]:
@@ -67,7 +67,7 @@ def platform_list(
 
 
 def _as_before(rows: Array, before: Sequence[Posture]) -> list[int]:
-    """Order postures so that each is where the nearest one was before."""
+    """Order postures like the nearest ones of the previous list."""
     left = list(range(len(rows)))
     order: list[int] = []
     for one in before:
@@ -85,7 +85,7 @@ def _postures(
     mechanism = robot.mechanism
     conditions = _conditions(robot, rows)
     margins = mechanism.limit_margin(rows).min(axis=1)
-    # Joints at the ends of their ranges are within.
+    # Joints at the ends of their ranges count as inside.
     margins = np.where(margins < -ROUNDING, margins, np.maximum(margins, 0.0))
     distances = np.abs(rows - q).max(axis=1)
     found = []
@@ -135,7 +135,7 @@ class PlatformFacts:
 
 
 def platform_facts(robot: ParallelRobot | Mechanism, q: Array) -> PlatformFacts:
-    """Judge a posture.
+    """Analyse a posture.
 
     - ``q``: all joints (rad or m), loops closed, shape (n,).
     """

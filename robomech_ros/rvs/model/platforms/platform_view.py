@@ -1,4 +1,4 @@
-"""The parallel robot that is seen: where its joints are, and what its platform can do."""
+"""The displayed parallel robot: its joints, and the study of its platform."""
 
 import math
 from dataclasses import replace
@@ -26,13 +26,13 @@ from robomech_ros.rvs.model.postures import PoseStudy, pose_summary
 from robomech_ros.spatial import as_pose, pose_error
 from robomech_ros.typing import Array
 
-# A drive without a limit slides so many sizes of the robot at most.
+# Travel of a drive without a limit, in sizes of the robot.
 OPEN_SIZES = 2.0
 # Columns of a twist [angular; linear].
 TWIST, ANGULAR, ABOUT_Z = 6, 3, 2
-# How many times larger the gizmo of a platform is that only turns.
+# Factor of the gizmo of a platform that only rotates.
 AROUND = 3.0
-# Entries of twists that are nothing, of the largest; steps towards a pose that is not taken.
+# Negligible entries of twists, relative to the largest; steps towards an unreachable pose.
 NOTHING, STEPS = 1e-9, 8
 
 
@@ -57,11 +57,11 @@ class PlatformView(DraggableRobot):
         self._motions = tuple(np.flatnonzero(twists > NOTHING * twists.max()).tolist())
         self._list: PlatformList | None = None
         self._study = self._at_rest()
-        # The limb that ended the last drag, from 0; None where none did.
+        # The limb that ended the last drag, from 0; None without one.
         self._faulty: int | None = None
 
     def follow(self, q: Array) -> None:
-        """Be where a robot is (rad or m)."""
+        """Take the joint values of a robot (rad or m)."""
         self._go(q)
 
     @property
@@ -86,7 +86,7 @@ class PlatformView(DraggableRobot):
         turns = [k for k in range(ANGULAR) if k in self._motions]
         slides = [k for k in range(ANGULAR) if k + ANGULAR in self._motions]
         if not slides:
-            # Around the platform, which is where all axes meet.
+            # Larger than the platform, which is at the common point of all axes.
             return {"scale": AROUND * scale, "disable_axes": True, "disable_sliders": True}
         if turns == [ABOUT_Z]:
             return {"scale": scale, "active_axes": (True, True, False)}
@@ -109,10 +109,10 @@ class PlatformView(DraggableRobot):
         self._go(given)
 
     def drag(self, T: ArrayLike) -> None:
-        """Bring the platform to a pose, as near to the present posture as its limbs can.
+        """Move the platform to a pose, as near to the present posture as possible.
 
         Motions that the platform does not have are left out; one whose motions depend on each other
-        goes to about the nearest pose.  Where a limb does not reach, the robot stays, and the study
+        goes to about the nearest pose.  If a limb does not reach, the robot stays, and the study
         names it.
         """
         target = self._possible(as_pose(T))
@@ -122,18 +122,18 @@ class PlatformView(DraggableRobot):
             self._study = replace(self._study, target=target)
             return
         if self.mechanism is self.robot and self.mechanism.dof < TWIST:
-            # Its motions depend on each other: it hardly ever takes a pose exactly.
+            # Its motions depend on each other, so it hardly ever reaches a pose exactly.
             self.move_to(self._nearest(target))
             return
         self._faulty = int(np.argmax(found.excess)) if found.excess.any() else None
         self._study = pose_summary(target, f"Stopped: {found.reason}.", Status.OUT_OF_REACH)
 
     def release(self) -> None:
-        """Let go of the gizmo: where the robot could not follow, it goes back to the platform."""
+        """Release the gizmo; if the robot could not follow, it returns to the platform."""
         self._go(self._q)
 
     def know(self, found: PlatformList) -> None:
-        """Show a list of postures, whatever was found of the robot a moment ago."""
+        """Show a list of postures, even if the robot has moved since."""
         self._list = found
         if self._faulty is None:
             self._study = self._at_rest(self._study.target)
@@ -154,7 +154,7 @@ class PlatformView(DraggableRobot):
         return pose_summary(at, known.text, postures=known.postures, complete=known.complete)
 
     def _possible(self, T: Array) -> Array:
-        """Leave motions out that the platform does not have."""
+        """Remove motions that the platform does not have."""
         present, motions = self.tip, self._motions
         for k in range(3):
             if k + ANGULAR not in motions:

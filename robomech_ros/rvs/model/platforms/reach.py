@@ -1,4 +1,4 @@
-"""How far a platform can be moved or turned from where it is, as a surface coloured by its ends."""
+"""Range of a platform from its present pose, as a surface coloured by the limiting limbs."""
 
 from dataclasses import dataclass
 
@@ -18,20 +18,20 @@ from robomech_ros.parallel.kinetostatics.workspace_surface import neighbours
 from robomech_ros.rvs.model.ghosts import PALETTE, Rgb
 from robomech_ros.typing import Array
 
-# Directions in the space and in the plane, and of limbs of any kind, each of which takes a hundred
+# Numbers of directions in space, in the plane, and for limbs of any kind, each taking a hundred
 # times as long; points of the arc of turns in the plane.
 ALL_ROUND, ROUND, FEW, ARC = 256, 240, 48, 60
-# A turn by pi is drawn so long, and the arc of turns in the plane has this radius, in sizes.
+# Drawn length of a rotation by pi, and radius of the arc of rotations in the plane, in sizes.
 HALF_TURN, RADIUS = 1.0, 0.4
-# What ends nothing within what is looked at, and a colour for it; and for singularities.
+# Label and colour of directions without an end in range; and of singularities.
 FREE, FREE_COLOUR, SINGULAR_COLOUR = "nothing, as far as is looked", (170, 170, 170), (40, 40, 40)
 
 
 @dataclass(frozen=True, eq=False)
 class PlatformReach:
-    """The boundary of the positions or orientations that a platform gets to from where it is.
+    """Boundary of the positions or orientations that a platform reaches from its pose.
 
-    - ``least``, ``greatest``: how far the platform gets (m, or rad).
+    - ``least``, ``greatest``: least and greatest range (m, or rad).
     """
 
     #: Triangles in space, shape (k, 3, 3), or lines in the plane, shape (k, 2, 3), by their cause,
@@ -48,17 +48,17 @@ class PlatformReach:
 
     @property
     def flat(self) -> bool:
-        """Whether it is a line in a plane."""
+        """True if it is a line in a plane."""
         return any(part.shape[1] == 2 for part in self.parts.values())
 
 
 def platform_reach(
     robot: ParallelRobot | Mechanism, q: Array, *, turns: bool = False
 ) -> PlatformReach:
-    """Find how far the platform gets from where it is; takes some 0.1 to 5 s.
+    """Compute the range of the platform from its pose; takes some 0.1 to 5 s.
 
     - ``q``: all joints (rad or m), loops closed, shape (n,).
-    - ``turns``: whether the platform is turned at its place, instead of moved with its orientation.
+    - ``turns``: whether the platform is rotated at its position instead of translated.
     """
     T, planar = robot.mechanism.pose(q), isinstance(robot, Planar3RPR | Planar3RRR)
     if turns and planar:
@@ -82,7 +82,7 @@ def platform_reach(
 
 
 def _arc(robot: ParallelRobot | Mechanism, T: Array) -> PlatformReach:
-    """Draw how far a platform turns in the plane, from the x axis of its present orientation."""
+    """Draw the rotation range of a planar platform, from its present x axis."""
     found = platform_orientation_workspace(robot, T, directions=[[0, 0, 1], [0, 0, -1]])
     start = np.arctan2(T[1, 0], T[0, 0])
     radius, parts = RADIUS * robot.mechanism.size, dict[str, Array]()
@@ -100,7 +100,7 @@ def _causes(found: PlatformWorkspace) -> NDArray[np.str_]:
 
 
 def _reach(found: PlatformWorkspace, parts: dict[str, Array]) -> PlatformReach:
-    """Add to what is drawn the colours, and what is said."""
+    """Add colours and text to a drawing."""
     shares = {name or FREE: share for name, share in found.shares().items()}
     return PlatformReach(
         {name: parts[name] for name in shares if name in parts},

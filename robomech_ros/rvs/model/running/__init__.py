@@ -1,1 +1,1 @@
-"""Robots that run: what they report, and what is asked of them."""
+"""Running robots: their reports, and requests to them."""

@@ -1,4 +1,4 @@
-"""A goal that stays with the robot until it is put elsewhere, and again once the robot is there."""
+"""A goal that follows the robot until it is moved, and again once the robot has reached it."""
 
 import threading
 
@@ -6,10 +6,10 @@ import numpy as np
 
 from robomech_ros.typing import Array
 
-# A joint nearer to its goal is there, and one that moves by less stands (rad or m); the tolerance
+# Distance of a joint from a reached goal, and move of a joint at rest (rad or m); the tolerance
 # of the controller is larger than the first.
 THERE, STILL = 2e-3, 1e-4
-# A robot that has not moved for so long rests (s).
+# Time without motion after which a robot is at rest (s).
 REST = 0.3
 
 
@@ -23,7 +23,7 @@ class FollowingGoal:
         self._lock = threading.Lock()
         self._goal, self._follows = q, True
         self._robot: Array | None = None
-        # Where the robot was when it last moved, when that was (s), and where it was when the goal
+        # Position and time (s) of the robot's last motion, and its position when the goal
         # was last put elsewhere.
         self._moved_to: Array | None = None
         self._moved_at = 0.0
@@ -32,26 +32,26 @@ class FollowingGoal:
 
     @property
     def is_apart(self) -> bool:
-        """Whether the goal was put elsewhere than the robot is."""
+        """True if the goal was moved away from the robot."""
         with self._lock:
             return not self._follows and not _near(self._robot, self._goal, THERE)
 
     @property
     def is_behind(self) -> bool:
-        """Whether the goal stays with the robot, which has left where the goal was brought."""
+        """True if the goal follows the robot, which has left the position of the goal."""
         with self._lock:
             known = self._robot is not None and self._brought is not None
             return self._follows and known and not _near(self._robot, self._brought, THERE)
 
     def put(self, q: Array, *, followed: bool = False) -> None:
-        """Put the goal somewhere; unless it followed the robot, it stays there."""
+        """Move the goal; unless it followed the robot, it stays there."""
         with self._lock:
             if not followed and not np.array_equal(q, self._goal):
                 self._follows, self._left = False, self._robot
             self._goal = q
 
     def robot_is_at(self, q: Array, now: float) -> bool:
-        """Note where the robot is (rad or m) now (s); says whether the goal is to be brought."""
+        """Update the robot's position (rad or m) at a time (s); return whether the goal moves."""
         with self._lock:
             self._robot = q
             if not _near(self._moved_to, q, STILL):
@@ -71,7 +71,7 @@ class FollowingGoal:
             self._follows = True
 
     def followed(self) -> Array | None:
-        """Return where the goal is brought (rad or m); None if it stays where it is."""
+        """Return the new position of the goal (rad or m); None if it stays."""
         with self._lock:
             if not self._follows:
                 return None
@@ -80,7 +80,7 @@ class FollowingGoal:
 
 
 def _near(a: Array | None, b: Array | None, tolerance: float) -> bool:
-    """Say whether both are known, and all joints are nearer than a tolerance (rad or m)."""
+    """Return whether both are known and all joints are within a tolerance (rad or m)."""
     if a is None or b is None:
         return False
     return bool((np.abs(a - b) <= tolerance).all())

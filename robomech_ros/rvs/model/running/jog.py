@@ -1,4 +1,4 @@
-"""Jogging by buttons that are held: which way, and when it has to end.
+"""Jogging by pressed buttons: directions, and the end of a press.
 
 What stops the robot:
 
@@ -51,12 +51,12 @@ class HoldHeartbeat(NamedTuple):
     direction: JogDirection
     #: Number of the press, the same for as long as the button is held.
     press: int
-    #: Time for which the button had been held (s) when the page sent the message.
+    #: Age of the press (s) when the page sent the message.
     age: float
 
 
 def read_beat(text: str, joints: int) -> HoldHeartbeat:
-    """Read what a page says while a button is held.
+    """Read the message of a page while a button is pressed.
 
     - ``text``: direction, number of the press and its age (ms): ``"joint 2 + 1712 500"``.
     - ``joints``: number of joints.
@@ -74,9 +74,9 @@ def read_beat(text: str, joints: int) -> HoldHeartbeat:
 
 
 class JogSwitch(Generic[Command]):
-    """A switch that is on only while somebody keeps saying so; for several threads.
+    """A switch that is on only while messages repeat that; for several threads.
 
-    A press that has ended, for whatever reason, stays ended; see above for what ends it.
+    A press that has ended, for whatever reason, stays ended; see above for the reasons.
 
     - ``silence``: longest time without a message (s), and largest delay of a message against the
       fastest one of the press (s); beyond either, the switch is off.
@@ -88,16 +88,16 @@ class JogSwitch(Generic[Command]):
         self._change = threading.Condition()
         self._what: Command | None = None
         self._press = self._ended = -1
-        # When the last word came, and when the press began, by the word that came fastest.
+        # Times of the last message, and of the start of the press by the fastest message.
         self._last_beat = self._begun = 0.0
         self._closed = False
 
     def hold(self, what: Command, press: int, age: float) -> None:
-        """Go on with a press, or begin one.
+        """Continue a press, or begin one.
 
         - ``what``: the held command.
         - ``press``: number of the press.
-        - ``age``: time for which it had been held (s) when the message was sent.
+        - ``age``: its age (s) when the message was sent.
         """
         with self._change:
             self._end_if_silent()
@@ -118,7 +118,7 @@ class JogSwitch(Generic[Command]):
             self._end()
 
     def held(self) -> Command | None:
-        """Return what is held now; None if nothing is."""
+        """Return the present command; None without a press."""
         with self._change:
             self._end_if_silent()
             return self._what
@@ -130,7 +130,7 @@ class JogSwitch(Generic[Command]):
             return not self._closed
 
     def close(self) -> None:
-        """End the press, and the waiting for others."""
+        """End the press, and all waiting."""
         with self._change:
             self._closed = True
             self._end()

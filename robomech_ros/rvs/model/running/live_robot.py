@@ -1,4 +1,4 @@
-"""A running robot: what a page requests of it, and what it reports to a page."""
+"""A running robot: requests of a page to it, and its reports to a page."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class ViewMarker:
-    """Something to be drawn beside the robot."""
+    """A marker in the scene of the robot."""
 
     #: Unique among the markers that are shown together.
     name: str
@@ -51,10 +51,10 @@ class LiveRobot(Protocol):
     """Running robot as a page uses it; methods return at once, and results go to the view."""
 
     def begin(self, view: Any) -> None:
-        """Tell this page, from now on."""
+        """Report to this page from now on."""
 
     def plan(self, q: Array) -> None:
-        """Plan a motion from where the robot is to a posture (n,) (rad or m)."""
+        """Plan a motion from the robot's posture to another one (n,) (rad or m)."""
 
     def execute(self, q: Array) -> None:
         """Plan such a motion, and execute it."""
@@ -64,11 +64,11 @@ class LiveRobot(Protocol):
 
     @property
     def gripper(self) -> GripperModel | None:
-        """Its gripper; None if it has none that can be commanded."""
+        """Its gripper; None if it has none, or none that takes commands."""
 
     @property
     def gripper_moves(self) -> bool:
-        """Whether a command to the gripper is under way."""
+        """True if a command to the gripper is under way."""
 
     def move_gripper(self, value: float) -> None:
         """Open or close the gripper to a value of :attr:`gripper`."""
@@ -80,13 +80,13 @@ class LiveRobot(Protocol):
         """Move an object around the robot to a pose (4, 4) in the base (m)."""
 
     def let_plans_wait(self, waiting: bool) -> None:
-        """Have plans executed on request only, or each as it is made."""
+        """Set whether plans are executed on request only, or at once."""
 
     def want_markers(self, wanted: bool) -> None:
-        """Listen to markers, or not."""
+        """Subscribe to markers, or unsubscribe."""
 
     def hold(self, beat: HoldHeartbeat, frame: str, speed: float) -> None:
-        """Jog for as long as the page repeats this.
+        """Jog while the page repeats this call.
 
         - ``beat``: message of the page; ignored if its press has ended.
         - ``frame``: frame whose axes the tip moves along, one of "base", "tip".
@@ -99,7 +99,7 @@ class LiveRobot(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Stance:
-    """How safely a walking machine stands."""
+    """Stability of a walking machine."""
 
     #: The feet, and the mass centre above them.
     support: Support
@@ -115,19 +115,19 @@ class LiveMobileRobot(Protocol):
     """Running mobile robot as a page uses it; methods return at once, results go to the view."""
 
     def begin(self, view: Any) -> None:
-        """Tell this page, from now on."""
+        """Report to this page from now on."""
 
     def stop(self) -> None:
         """End the jog, and command to stand."""
 
     def choose_gait(self, gait: str) -> None:
-        """Have it walk in another gait."""
+        """Request another gait."""
 
     def move_trunk(self, shift: Sequence[float]) -> None:
-        """Have the trunk take a pose beside the level one: x, y, z (m), roll, pitch, yaw (rad)."""
+        """Request a trunk pose relative to the level one: x, y, z (m), roll, pitch, yaw (rad)."""
 
     def hold(self, beat: HoldHeartbeat, speed: float) -> None:
-        """Jog while this is said again and again, at a part of the greatest jogging speed."""
+        """Jog while this call is repeated, at a fraction of the greatest jogging speed."""
 
     def let_go(self) -> None:
         """End the jog."""

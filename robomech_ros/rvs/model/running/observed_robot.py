@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class JogDirection(NamedTuple):
-    """A direction in which a mobile robot is jogged."""
+    """A jog direction of a mobile robot."""
 
     #: Label on the page.
     name: str
@@ -55,8 +55,8 @@ class ObservedRobot(TreeView):
     - ``view``: the same robot at rest, which is drawn.
     - ``joints``: names of the joints whose positions are received.
     - ``placed``: returns the joints that place it at a pose (4, 4) over the ground (m).
-    - ``directions``: the directions in which it can be jogged.
-    - ``gaits``: names of the gaits in which it can walk.
+    - ``directions``: its jog directions.
+    - ``gaits``: names of its gaits.
     - ``shifts``: motions of the trunk: x, y, z, roll, pitch, yaw.
     - ``trail``: past positions.
     """
@@ -76,7 +76,7 @@ class ObservedRobot(TreeView):
         self.trail = Trail()
 
     def update(self, positions: Mapping[str, float], position: ArrayLike) -> None:
-        """Take joints (rad or m, by name), and x, y (m) and heading (rad), shape (3,)."""
+        """Update joints (rad or m, by name), and x, y (m) and heading (rad), shape (3,)."""
         self.place(positions)
         self.trail.add(position)
 
@@ -96,7 +96,7 @@ def observed_base(robot: RollingRobot) -> ObservedRobot:
 
 def observed_walker(robot: LeggedRobot) -> ObservedRobot:
     """Return a walking machine that runs; errors are those of ``WalkerView``."""
-    # What is compiled for legs is loaded only where there are some.
+    # Compiled code for legs is loaded only if there are some.
     from robomech_ros.rvs.model.walking.placed_tree import placing
     from robomech_ros.rvs.model.walking.walker_view import WalkerView
 

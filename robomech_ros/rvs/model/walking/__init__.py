@@ -1,1 +1,1 @@
-"""Walking machines on a page: where they stand, on which feet, and how safely."""
+"""Walking machines on a page: position, standing feet, and stability."""

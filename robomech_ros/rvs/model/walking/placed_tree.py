@@ -15,7 +15,7 @@ from robomech_ros.spatial import roll_pitch_yaw_from_matrix
 from robomech_ros.spatial.poses import assembled, rigid_inverse
 from robomech_ros.typing import Array
 
-# The root, and the joints of the trunk beside its level pose, as sliders have them.
+# The root, and the joints of the trunk relative to its level pose, as on sliders.
 GROUND = "odom"
 BODY_JOINTS = ("body_x", "body_y", "body_z", "body_roll", "body_pitch", "body_yaw")
 
@@ -30,14 +30,14 @@ _BODY = (
     ("body_pitch", False, _Y),
     ("body_roll", False, _X),
 )
-# How far it may go (m).
+# Range of these joints (m).
 _FAR = 1e4
-# Of the disc that marks where it begins: its radius in the height of the trunk, and its colour.
+# Disc at the start of a walk: radius in heights of the trunk, and colour.
 _DISC, _COLOUR = 0.15, (0.93, 0.55, 0.14, 1.0)
 
 
 def placed_tree(robot: RobotDescription, trunk: str, height: float) -> RobotDescription:
-    """Put a machine on the ground, by its place there and by the pose of its trunk.
+    """Describe a machine with joints for its position on the ground and its trunk pose.
 
     - ``robot``: its legs and its trunk.
     - ``trunk``: its link.
@@ -75,7 +75,7 @@ def placing(base: Array, T: Array, height: float) -> dict[str, float]:
 
 def _parts(robot: RobotDescription, trunk: str, height: float) -> list[str]:
     """Write the joints that place the root, and their links."""
-    # Links without bodies would get some along the way of their slides.
+    # Links without bodies would get generated ones along their slides.
     nothing = visual("sphere", {"radius": 1e-4}, (0.0, 0.0, 0.0, 0.0))
     disc = visual("cylinder", {"radius": _DISC * height, "length": 1e-3}, _COLOUR)
     parts, above = [element("link", {"name": GROUND}, [disc])], GROUND

@@ -1,4 +1,4 @@
-"""On which feet a machine stands, and where it is next to tipping."""
+"""Support of a walking machine: standing feet, and distance from tipping."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,7 +18,7 @@ class Support:
     legs: tuple[str, ...]
     #: Over the ground (m), shape (k, 3).
     feet: Array
-    #: Which of them stand, shape (k,); at least one.
+    #: Mask (k,) of standing feet; at least one.
     contacts: BoolArray
     #: The mass centre, projected to the ground (m), shape (2,).
     centre: Array
@@ -35,7 +35,7 @@ class Support:
 
     @cached_property
     def _nearest(self) -> tuple[int, Array]:
-        """The corner at which the nearest edge begins, and the point of it that is nearest."""
+        """The first corner of the nearest edge, and its nearest point."""
         begins = self.corners
         along = np.roll(begins, -1, axis=0) - begins
         length = np.maximum(np.einsum("ij,ij->i", along, along), np.finfo(float).tiny)
@@ -46,7 +46,7 @@ class Support:
 
     @property
     def edge(self) -> tuple[str, str]:
-        """The legs between which the nearest edge is."""
+        """The legs of the nearest edge."""
         first = self._nearest[0]
         ends = self.corners[[first, (first + 1) % len(self.corners)]]
         return self._leg_at(ends[0]), self._leg_at(ends[1])
@@ -56,7 +56,7 @@ class Support:
         return self.legs[int(np.argmin(np.where(self.contacts, away, np.inf)))]
 
     def facts(self, margin: str) -> list[tuple[str, str]]:
-        """Write how safely it stands, for people, with what is to be said of the margin."""
+        """Describe the stability, with a remark on the margin."""
         down = [leg for leg, stands in zip(self.legs, self.contacts, strict=True) if stands]
         return [
             ("stability margin", margin),

@@ -1,4 +1,4 @@
-"""A walking machine that is seen: it walks as commanded, and its trunk is moved over its feet."""
+"""The displayed walking machine: it walks on command, and its trunk moves over its feet."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,20 +13,20 @@ from robomech_ros.spatial import as_pose
 from robomech_ros.typing import Array
 from robomech_ros.walking import GAITS, LeggedRobot, Walker, WalkUpdate
 
-# In this time (s) the trunk takes a pose, unless a joint would be too fast: it follows the mouse.
+# Time (s) in which the trunk takes a pose, unless a joint would be too fast: it follows the mouse.
 HOP = 0.05
-# Between what sliders move the trunk: in its height, and rad.
+# Range of the sliders of the trunk: in heights of the trunk, and rad.
 SIDE, TILT = 0.6, 0.6
-# What sliders ask for, in the speed at which feet come to the ends of their circles.
+# Range of the speed sliders, in speeds at which feet reach the ends of their circles.
 FASTER = 1.5
-# Slower joints stand (rad/s, m/s).
+# Greatest speed of joints at rest (rad/s, m/s).
 REST = 1e-9
-# Side of the square that is seen, in the length or width between the feet; size of the gizmo.
+# Side of the visible square, in lengths or widths between the feet; size of the gizmo.
 ROOM, GIZMO = 4.0, 2.0
 
 
 class WalkerView(MobileRobotView):
-    """A walking machine with its present posture and place; not for several threads at a time.
+    """A walking machine with its present posture and pose; not for several threads at a time.
 
     - ``height``: height of the level trunk (m).
     - ``gaits``: names of the gaits that it can walk in.
@@ -63,7 +63,7 @@ class WalkerView(MobileRobotView):
 
     @property
     def values(self) -> Array:
-        """The pose that the trunk is to take beside the level one (m, rad)."""
+        """The desired pose of the trunk relative to the level one (m, rad)."""
         return self._wanted.copy()
 
     @property
@@ -73,7 +73,7 @@ class WalkerView(MobileRobotView):
 
     @property
     def support(self) -> Support:
-        """On which feet it stands."""
+        """Its standing feet."""
         update = self._update
         centre = (update.trunk[:3, :3] @ self.robot.mass_centre + update.trunk[:3, 3])[:2]
         return Support(self.robot.leg_names, update.feet, update.contacts, centre)
@@ -109,7 +109,7 @@ class WalkerView(MobileRobotView):
         self._pose(np.array([place[name] for name in BODY_JOINTS]))
 
     def go_home(self) -> None:
-        """Stand where it began, as it stood then."""
+        """Return to the first position and posture."""
         self._walker.stand()
         self._wanted[:] = 0.0
         self.moved_joint, self._refusal = None, ""
@@ -118,13 +118,13 @@ class WalkerView(MobileRobotView):
         self._show(self._walker.update())
 
     def choose_gait(self, gait: str) -> None:
-        """Walk in a gait, as soon as it stands."""
+        """Change the gait once the machine stands still."""
         self._walker.command_gait(gait)
         self.chosen_gait, self._in_motion = gait, True
 
     @property
     def stands(self) -> bool:
-        """Whether no joint moves, and none is to move."""
+        """True if no joint moves or has to move."""
         return not self._in_motion
 
     def drive(self, steps: int, *, brake: bool = False) -> None:
@@ -139,7 +139,7 @@ class WalkerView(MobileRobotView):
         self._show(self._update)
 
     def preview(self) -> None:
-        """Say how it stands, or why it does not take a pose."""
+        """Describe the stance, or the reason for rejecting a pose."""
         if self._refusal:
             joints = self.robot.legs[self.robot.leg_number(self._refusing)].joint_names
             links = [one.child for one in self.description.joints if one.name in joints]
@@ -161,22 +161,22 @@ class WalkerView(MobileRobotView):
 
     @property
     def allowed_twist(self) -> Array:
-        """The part of the command that legs and joints can do, shape (3,) (rad/s, m/s)."""
+        """The feasible part of the command, shape (3,) (rad/s, m/s)."""
         return self.command * self._update.part
 
     def facts(self) -> list[tuple[str, str]]:
-        """Write twist and part of the command, for people."""
+        """Describe the twist and the feasible part of the command."""
         lines = twist_facts(self._update.twist, self.most)
         if self.command.any() and self._update.part < 1.0:
             lines.append(("of the command", f"{self._update.part:.0%}, which legs or joints limit"))
         return lines
 
     def support_facts(self) -> list[tuple[str, str]]:
-        """Write how safely it stands, for people."""
+        """Describe the stability."""
         return self.support.facts(f"{self._update.margin:.4f} m, kept above {self.bound:g} m")
 
     def _pose(self, wanted: Array) -> bool:
-        """Have the trunk take a pose; says whether it can."""
+        """Move the trunk to a pose; return whether that is possible."""
         answer = self._walker.command_pose(wanted, HOP)
         possible, reason = answer.status == Code.NONE, answer.reason
         if possible:
@@ -194,7 +194,7 @@ class WalkerView(MobileRobotView):
 
 
 def _speeds(robot: LeggedRobot) -> dict[str, float]:
-    """Find how fast (m/s) a machine walks, at the most, in each gait that it can walk in."""
+    """Find the greatest speed (m/s) of a machine in each of its gaits."""
     found = {}
     for name, gait in GAITS.items():
         try:

@@ -1,1 +1,1 @@
-"""Boundary and maps of what an arm reaches."""
+"""Boundary and maps of the workspace of an arm."""

@@ -1,4 +1,4 @@
-"""The points of a reach map as they are seen: places, colours, and the legend of these."""
+"""Displayed points of a reach map: positions, colours, and their legend."""
 
 import math
 from collections.abc import Callable
@@ -28,7 +28,7 @@ _SCALE = np.array((
 
 @dataclass(frozen=True, eq=False)
 class ReachPoints:
-    """The points of a map that are reached.
+    """Reached points of a map.
 
     - ``low``, ``high``: the ends of the scale.
     """
@@ -64,7 +64,7 @@ def computed_map(
     T: Array,
     progress: Callable[[int, int], None],
 ) -> ReachMap:
-    """Compute the map of the cube that holds all that an arm reaches.
+    """Compute the map of the cube around the workspace of an arm.
 
     - ``orientations``: one of ``ORIENTATIONS``.
     - ``density``: one of ``DENSITIES``.
@@ -75,7 +75,7 @@ def computed_map(
     count = DENSITIES[as_choice("points", density, tuple(DENSITIES))]
     tried = 64 if orientations == ORIENTATIONS[0] else T[None, :3, :3]
     reach = reach_bound(chain)
-    # One processor is left to the page.
+    # One processor remains for the page.
     workers = max(1, as_workers(None) - 1)
     return reach_map(
         chain, [-reach] * 3, [reach] * 3, shape=count, orientations=tried, workers=workers,
@@ -84,7 +84,7 @@ def computed_map(
 
 
 def reach_points(found: ReachMap, measure: str, *, cut: bool) -> ReachPoints:
-    """Return the points that are reached, with what is measured there.
+    """Return the reached points, with the measure there.
 
     - ``measure``: one of ``MEASURES``.
     - ``cut``: whether points in the open sector about z are left out.

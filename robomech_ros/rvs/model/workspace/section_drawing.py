@@ -14,7 +14,7 @@ from robomech_ros.rvs.model.curves.curve_drawing import (
 from robomech_ros.rvs.model.workspace.workspace_views import SectionView
 from robomech_ros.typing import Array
 
-# Of one posture, two, three, four, and more; told apart on light and dark ground.
+# Colours of one posture, two, three, four, and more, for light and dark backgrounds.
 COLOURS = ("#8ecae6", "#2a9d8f", "#e9c46a", "#f4853a", "#9d4edd")
 _HERE = (
     '<circle data-workspace-here r="6" fill="none" stroke="#d6336c" stroke-width="2" '
@@ -35,9 +35,9 @@ def colour_of_count(count: int) -> str:
 
 
 def draw_section(view: SectionView, on_press: str = "") -> str:
-    """Draw a section to scale, as SVG, with its legend beside it, or below where it is wide.
+    """Draw a section to scale, as SVG, with its legend at the side, or below a wide one.
 
-    A ring is in it, which :func:`here_rule` places.
+    :func:`here_rule` places the ring in it.
 
     - ``on_press``: JavaScript that runs when the drawing is pressed, with ``text`` of the place.
     """
@@ -69,7 +69,7 @@ def here_rule(view: SectionView, coordinates: Array) -> str:
 
 
 def section_points(view: SectionView, coordinates: Array) -> Array:
-    """Return where coordinates (..., 2) (m) are in the picture."""
+    """Convert coordinates (..., 2) (m) to the picture."""
     return placed_points(view.axes, coordinates, _side(view))
 
 
@@ -79,7 +79,7 @@ def _side(view: SectionView) -> float:
 
 
 def section_legend(view: SectionView) -> str:
-    """Write what the colours are, as HTML."""
+    """Return the legend of the colours, as HTML."""
     entries = []
     for count in np.unique(view.counts[view.counts > 0]).tolist():
         text = counted(count, "posture")

@@ -1,4 +1,4 @@
-"""The boundary of a workspace as it is seen: its section, and the surface that it sweeps."""
+"""Displayed boundary of a workspace: its section, and the swept surface."""
 
 import math
 from dataclasses import dataclass
@@ -15,15 +15,15 @@ from robomech_ros.rvs.model.curves.curve_drawing import thinned
 from robomech_ros.rvs.model.curves.curve_problems import Axis
 from robomech_ros.typing import Array, BoolArray, IntArray
 
-# Squares along the longer side of the section, in each of which postures are counted once.
+# Number of squares along the longer side of the section; each counts postures once.
 SQUARES = 170
 MARGIN = 0.06
-# The section is drawn at least so wide, in parts of its height.
+# Least width of the drawn section, relative to its height.
 NARROWEST = 0.3
 # The surface: points along a curve are so far apart at least, in parts of the section's longer
 # side, and strips so wide (rad, or parts of the way of a slide).
 FINE, STRIP = 0.012, math.pi / 40.0
-# Curves nearer to each other than this part of that side are seen as one.
+# Curves nearer to each other than this fraction of that side look like one.
 SAME = 0.003
 # Azimuth, about the first axis, of the middle of the sector that is left open, towards the eye at
 # first, and half its width (rad).
@@ -51,7 +51,7 @@ class SectionView:
         return self.space.section.in_frame(T[:3, :3] @ self.in_tip + T[:3, 3])
 
     def azimuth(self, T: Array) -> float:
-        """Return where the section is in which the point is: turned (rad), or slid (m)."""
+        """Return the coordinate of the section through the point: angle (rad) or travel (m)."""
         x, y, z = self.local(T).tolist()
         return float(z) if self.space.section.slides[0] else math.atan2(y, x)
 
@@ -60,7 +60,7 @@ class SectionView:
         return self.space.section.coordinates(self.local(T))
 
     def plane(self, T: Array) -> Array:
-        """Return the pose (4, 4), in the base, of the section in which the point is."""
+        """Return the pose (4, 4), in the base, of the section through the point."""
         section = self.space.section
         shift = np.eye(4)
         if section.slides[0]:
@@ -94,7 +94,7 @@ class SectionView:
         return np.concatenate(lines), roles
 
     def surface(self, *, cut: bool) -> Solid | None:
-        """Return what the boundary sweeps, in the base; None of an arm that stays in its plane.
+        """Return the surface that the boundary sweeps, in the base; None for a planar arm.
 
         - ``cut``: whether a sector is left open, so that one sees inside.
         """
@@ -107,7 +107,7 @@ class SectionView:
             parts = open_intervals(low, high)
         vertices: list[Array] = []
         faces: list[IntArray] = []
-        # Of curves that coincide one is drawn: two would show as patches.
+        # Only one of two coincident curves is drawn: both would show as patches.
         drawn: list[Array] = []
         for curve in self.space.curves:
             if curve.fewer:
@@ -123,7 +123,7 @@ class SectionView:
         return Solid(np.concatenate(vertices), np.concatenate(faces))
 
     def _apart(self, points: Array, drawn: list[Array]) -> BoolArray:
-        """Tell which points (k, 2) are on none of the curves that are drawn already."""
+        """Return a mask of points (k, 2) that are on no drawn curve."""
         if not drawn:
             return np.ones(len(points), dtype=bool)
         near = SAME * (self.axes[1].high - self.axes[1].low)
@@ -148,9 +148,9 @@ class SectionView:
 
 
 def section_view(chain: SerialChain) -> SectionView:
-    """Find the boundary of an arm's workspace, and count the postures all over its section."""
+    """Find the boundary of an arm's workspace, and count the postures in its section."""
     space = workspace_boundary(chain)
-    # Of a planar arm of three joints the boundary is that of the tip itself.
+    # For a planar arm of three joints the boundary is that of the tip itself.
     in_tip = np.zeros(3) if space.tip is not None else positioning_part(chain).in_tip
     points = np.concatenate([curve.points for curve in space.curves])
     low, high = points.min(axis=0), points.max(axis=0)
@@ -164,7 +164,7 @@ def section_view(chain: SerialChain) -> SectionView:
 
 
 def why_no_section(chain: SerialChain, error: RobomechError) -> str:
-    """Say why an arm has no section, for which :func:`section_view` raised an error."""
+    """Say why an arm has no section, after an error of :func:`section_view`."""
     try:
         positioning_part(chain)
     except BadValueError:
@@ -190,7 +190,7 @@ def why_no_section(chain: SerialChain, error: RobomechError) -> str:
 
 
 def open_intervals(low: float, high: float) -> list[tuple[float, float]]:
-    """Return what is left of azimuths from ``low`` to ``high`` (rad) without the open sector."""
+    """Return the azimuths from ``low`` to ``high`` (rad) outside the open sector."""
     middle, half = OPENING
     turn, left = 2.0 * math.pi, []
     start = low
@@ -206,19 +206,19 @@ def open_intervals(low: float, high: float) -> list[tuple[float, float]]:
 
 
 def is_in_opening(azimuths: Array) -> BoolArray:
-    """Tell which azimuths (rad) are in the open sector."""
+    """Return a mask of azimuths (rad) in the open sector."""
     middle, half = OPENING
     away = np.remainder(azimuths - middle + np.pi, 2.0 * np.pi) - np.pi
     return np.abs(away) < half
 
 
 def _axes(space: Workspace, low: Array, high: Array) -> tuple[Axis, Axis]:
-    """Return axes that hold all curves with some room around, the first as long or shorter."""
+    """Return axes around all curves with a margin; the first is not longer."""
     margin = MARGIN * float((high - low).max())
     low, high = low - margin, high + margin
     height = float((high - low).max())
     if not space.section.slides[0]:
-        # On the left there is the axis, where there is room for it, and nothing beyond it.
+        # On the left is the axis, if there is space, and nothing beyond it.
         low[0] = max(low[0], 0.0) if high[0] > height else 0.0
     widths = np.array([max(high[0] - low[0], NARROWEST * height), height])
     low[1] = 0.5 * (low[1] + high[1] - height)

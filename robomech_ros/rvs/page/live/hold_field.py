@@ -51,7 +51,7 @@ class HoldField:
     def _take(self, text: str) -> None:
         """Go on with what is held, or end it, as the text says."""
         with self._holding:
-            # What a browser said before it lost command may come after.
+            # Messages of a browser that lost command may arrive later.
             if self.gone:
                 return
             if not text.strip():

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 # How often a page says that a button is still held (s).
 BEAT = 0.1
 
-# Of the tip: label, and what is jogged.
+# Jogs of the tip: label, and direction.
 _TIP = (
     *((axis, "linear", k) for k, axis in enumerate("xyz")),
     *((f"r{axis}", "angular", k) for k, axis in enumerate("xyz")),

@@ -64,7 +64,7 @@ class LivePage(Layer):
         if self._commander == client.client_id:
             self._running.let_go()
 
-    # Of the robot, on any thread.
+    # Calls of the robot, on any thread.
 
     def say(self, line: str, text: str, failed: bool = True) -> None:
         """Write a message, whose line is also an attribute; an empty text takes it away."""
