@@ -7,6 +7,9 @@ import sys
 from collections import Counter
 from pathlib import Path
 
+# One test per core: threads of OpenBLAS would only wait for one another.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
