@@ -71,7 +71,7 @@ def test_issue_12_contours_that_touch_give_one_posture(apart):
 def test_issue_12_eigenvalues_say_whether_postures_are_missing(name):
     chain = load_robot(name) if name not in ARMS else general_arm(name)
     said = 0
-    for T in forward_kinematics(chain, random_postures(8, 3)):
+    for T in forward_kinematics(chain, random_postures(4, 3)):
         ours = inverse_kinematics(chain, T, respect_limits=False)
         theirs = solve_univariate(chain, T)
         assert bool(theirs.reason) != theirs.complete
@@ -79,7 +79,7 @@ def test_issue_12_eigenvalues_say_whether_postures_are_missing(name):
         assert np.asarray(theirs).shape == (len(theirs), 6)
         said += theirs.complete
     # Before another joint was hidden where joint 3 cannot be, on none of the built arms.
-    assert said >= 6
+    assert said >= 3
 
 
 @pytest.mark.parametrize("solve", (solve_univariate, solve_bivariate))

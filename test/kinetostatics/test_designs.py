@@ -150,7 +150,15 @@ def best_length(chain, near):
     return length(q)
 
 
-@pytest.mark.parametrize("name", ["puma560", "fanuc_arcmate", "general6r", "random"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "puma560",
+        "random",
+        pytest.param("fanuc_arcmate", marks=pytest.mark.long),
+        pytest.param("general6r", marks=pytest.mark.long),
+    ],
+)
 def test_the_gradient_of_the_length_is_that_of_finite_differences(name):
     rng = np.random.default_rng(3)
     if name == "random":

@@ -101,7 +101,17 @@ def test_the_determinant_is_the_product_of_its_factors(robot):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("robot", ["puma560", "ur5e", "panda", "gen3", "scara", "general6r"])
+@pytest.mark.parametrize(
+    "robot",
+    [
+        "puma560",
+        "panda",
+        "scara",
+        pytest.param("ur5e", marks=pytest.mark.long),
+        pytest.param("gen3", marks=pytest.mark.long),
+        pytest.param("general6r", marks=pytest.mark.long),
+    ],
+)
 def test_regular_postures(robot):
     chain = load_robot(robot)
     q = np.random.default_rng(7).uniform(-1.5, 1.5, chain.n) + 0.2

@@ -83,11 +83,14 @@ def bounding(space):
 
 
 @pytest.mark.slow
-def test_a_million_postures_are_inside_and_come_near_all_of_the_boundary(space):
+@pytest.mark.parametrize(
+    ("count", "widest"), [(150_000, 3e-3), pytest.param(1_000_000, 1e-3, marks=pytest.mark.long)]
+)
+def test_many_postures_are_inside_and_come_near_all_of_the_boundary(space, count, widest):
     from scipy.spatial import cKDTree
 
     size = space.section.size
-    q = sampled(space.section, np.random.default_rng(7), 1_000_000)
+    q = sampled(space.section, np.random.default_rng(7), count)
     points = space.section.image(q[:, 0], q[:, 1])
     vertices, normals = space.nearest.points, space.nearest.normals
     rough, index = cKDTree(vertices).query(points, distance_upper_bound=5e-3 * size, workers=2)
@@ -104,7 +107,7 @@ def test_a_million_postures_are_inside_and_come_near_all_of_the_boundary(space):
     ends = cKDTree(vertices[space.nearest.is_end])
     assert ends.query(doubtful[beyond])[0].max(initial=0.0) < 5e-3 * size
     gap, _ = cKDTree(points[near]).query(vertices)
-    assert gap.max() < 1e-3 * max(1.0, size)
+    assert gap.max() < widest * max(1.0, size)
 
 
 def test_vertices_are_postures_on_the_boundary(space):
@@ -308,7 +311,7 @@ def test_a_planar_arm_against_all_of_its_postures(kind):
     q[:, 2:] = 0.7  # what it is does not matter
     T = forward_kinematics(chain, q)
     reached = T[:, :3, :3] @ part.in_tip + T[:, :3, 3]
-    assert space.contains(reached[::977]).all()
+    assert space.contains(reached[::311]).all()
     points = section.on_section(np.random.default_rng(1).uniform(-1, 1, (300, 2)) * size)
     distance = space.distance(points)
     assert ((distance > 0.0) == space.contains(points)).all()
@@ -342,18 +345,18 @@ def test_issue_12_the_tip_of_a_planar_arm_of_three_joints_against_all_of_its_pos
     space = workspace_boundary(chain)
     extremes = pytest.approx(reach_limits(chain), abs=1e-6)
     assert (space.least_reach, space.greatest_reach) == extremes
-    axes = [np.linspace(a, b, 90) for a, b in zip(chain.lower, chain.upper, strict=True)]
+    axes = [np.linspace(a, b, 60) for a, b in zip(chain.lower, chain.upper, strict=True)]
     q = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 3)
     reached = forward_kinematics(chain, q)[:, :3, 3]
-    assert (space.solution_count(reached[::977]) == 1).all()
-    assert space.distance(reached[::977]).min() > -1e-6
+    assert (space.solution_count(reached[::311]) == 1).all()
+    assert space.distance(reached[::311]).min() > -1e-6
     size, section = space.section.size, space.section
     points = section.on_section(np.random.default_rng(1).uniform(-1, 1, (300, 2)) * size)
     distance = space.distance(points)
     assert ((distance > 0.0) == space.contains(points)).all()
     nearest, _ = cKDTree(reached).query(points)
     beyond = np.where(distance < 0.0, -distance, 0.0)
-    assert np.abs(nearest - beyond).max() < 0.015 * size
+    assert np.abs(nearest - beyond).max() < 0.02 * size
     assert not space.contains(points + 0.1 * size * section.base[:3, 2]).any()
     for curve in space.curves:
         tips = forward_kinematics(chain, curve.q)[:, :3, 3]

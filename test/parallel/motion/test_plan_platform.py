@@ -72,7 +72,7 @@ def test_the_curve_through_the_samples_keeps_path_and_limits(name, profile):
     # The nearest place of the path: along it a length and an angle grow together.
     s = np.linspace(0.0, path.length, 20_001)
     there = path.sample(s).pose
-    for pose in poses[::50]:
+    for pose in poses[::140]:
         apart = np.linalg.norm(pose_error(pose, there), axis=1)
         assert apart.min() <= path.length / 20_000.0 * 10.0
     ends = pose_error(path.sample(np.array([0.0, path.length])).pose, poses[[0, -1]])
