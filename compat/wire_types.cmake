@@ -47,11 +47,11 @@ macro(wire_types)
   set(CMAKE_CXX_FLAGS_RELEASE "-O1 -DNDEBUG")
   rosidl_generate_interfaces(${PROJECT_NAME} ${definitions} DEPENDENCIES ${ARGN})
 
-  # Nine files in one run of the compiler; see robomech_interfaces/CMakeLists.txt.
+  # Forty files in one run of the compiler; see robomech_interfaces/CMakeLists.txt.
   foreach(part generator_c generator_py typesupport_c typesupport_fastrtps_c
       typesupport_introspection_c)
     set(target ${PROJECT_NAME}__rosidl_${part})
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 9)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 40)
     get_target_property(files ${target} SOURCES)
     list(FILTER files INCLUDE REGEX "__description\\.c$")
     set_source_files_properties(${files} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
