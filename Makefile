@@ -106,7 +106,7 @@ other:
 	@$(LEFT) $(MAKE) --no-print-directory lint setup-other
 
 beside: other
-	$(RUN) NUMBA_DISABLE_JIT=1 $(LEFT) $(VENV)/bin/python -m pytest -q $(PARALLEL) $(PATIENT) $(INTERPRETED)
+	$(RUN) NUMBA_DISABLE_JIT=1 $(LEFT) $(VENV)/bin/python -m pytest -q -n 0 -rs $(LONGEST) $(PATIENT) $(INTERPRETED)
 	@$(MAKE) --no-print-directory computing
 
 computing:

@@ -4,6 +4,8 @@ import ast
 import re
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "robomech_ros"
 PAGE = ROOT / "doc" / "security.md"
@@ -36,6 +38,7 @@ def opened_in(path: Path) -> set[str]:
     return found
 
 
+@pytest.mark.slow
 def test_no_other_module_opens_files():
     table = PAGE.read_text(encoding="utf-8").split("## Files\n")[1]
     # Tests are named there, too.

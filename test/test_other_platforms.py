@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 # Import third parties first, as this platform has them.
 CODE = """
 import os, sys
@@ -27,6 +29,7 @@ memory.check_memory("a table", 1_000_000)
 """
 
 
+@pytest.mark.slow
 def test_the_library_needs_nothing_that_only_posix_has():
     done = subprocess.run([sys.executable, "-c", CODE], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

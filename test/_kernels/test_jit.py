@@ -61,6 +61,7 @@ def compiled(root):
     return {path: path.stat().st_mtime_ns for path in root.rglob("*.nbc")}
 
 
+@pytest.mark.slow
 def test_a_second_process_loads_what_the_first_compiled(filled, tmp_path):
     """From another installation of the same sources, too."""
     root, directory = filled
@@ -87,6 +88,7 @@ def test_a_damaged_cache_costs_time_only(filled, tmp_path):
     assert run(tmp_path, ROBOMECH_CACHE_DIR=str(root)) == directory
 
 
+@pytest.mark.slow
 def test_a_place_that_cannot_be_used_is_passed_over(tmp_path):
     blocked = tmp_path / "file"
     blocked.write_text("")

@@ -175,6 +175,7 @@ def answers(tmp_path):
     return run
 
 
+@pytest.mark.slow
 def test_kernels_that_changed_are_compiled_and_others_loaded(answers):
     """Numbers, then whether the kernel came from the cache: of one with callees, and one without.
 

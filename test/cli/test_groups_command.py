@@ -49,6 +49,7 @@ def test_an_srdf_none_of_whose_groups_fits_is_refused(srdf, tmp_path, capsys):
     assert "none of its groups is one of 'puma560'; " in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_named_posture_is_drawn(srdf, tmp_path, capsys):
     picture = str(tmp_path / "up.svg")
     given = ["plot", "ur5e", "--srdf", srdf, "--output", picture]

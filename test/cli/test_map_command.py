@@ -25,6 +25,7 @@ def run(capfd, *arguments):
     return code, captured.out, captured.err
 
 
+@pytest.mark.slow
 def test_a_map_is_computed_told_and_drawn(tmp_path, capfd):
     place = {"cwd": tmp_path, "capture_output": True, "text": True, "timeout": 120, "check": False}
     box = ("--lower", "-0.9", "-0.9", "0", "--upper", "0.9", "0.9", "0.6", "--spacing", "0.3")
@@ -48,6 +49,7 @@ def test_a_map_is_computed_told_and_drawn(tmp_path, capfd):
     assert "<svg" in picture.read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_what_is_finished_and_says_so(tmp_path):
     file = tmp_path / "map.npz"
     command = [*ROBOMECH, *PUMA, "--shape", "60", "60", "60", "--output", str(file)]

@@ -28,6 +28,7 @@ def test_a_scene_is_shown():
         assert "back" in page._arm.world.objects
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_page_is_served_until_a_signal(number):
     options = ("--robot", "puma560", "--port", "0")

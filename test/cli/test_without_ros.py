@@ -48,6 +48,7 @@ def robomech(*arguments, program=ONE):
     return done.returncode, done.stdout, done.stderr
 
 
+@pytest.mark.slow
 def test_help_needs_no_ros():
     code, out, err = robomech("", *COMMANDS, program=HELP)
     assert (code, err) == (0, "")
@@ -66,6 +67,7 @@ def test_doctor_names_what_is_missing():
     assert re.search(r"robots +arms \d+, parallel \d+, rolling 6, walking \d+, hand \d+ in ", out)
 
 
+@pytest.mark.slow
 def test_robots_are_listed():
     code, out, err = robomech("robots")
     assert (code, err) == (0, "")

@@ -120,6 +120,7 @@ def check(scene, judge, motion):
     return "contact"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scenes", [3, pytest.param(60, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", ["six", "sliding", pytest.param("panda", marks=in_cell)])
 def test_no_motion_is_proved_that_sampling_finds_in_contact(name, scenes):

@@ -335,6 +335,7 @@ def test_drives_of_a_free_base_have_the_efforts_of_the_free_flyer(arm):
         system.coriolis_matrix(q[0], qd[0])
 
 
+@pytest.mark.slow
 def test_wrong_arguments_of_a_free_base_are_named(arm):
     q = arm.chain.home()
     base, tip = FloatingBase(arm, q), POSE @ forward_kinematics(arm.chain, q)

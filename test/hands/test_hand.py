@@ -260,6 +260,7 @@ def branches_by_search(chain, point, rng):
     return found
 
 
+@pytest.mark.slow
 def test_branches_of_a_finger_are_those_that_an_independent_search_finds():
     rng = np.random.default_rng(31)
     for k, chain in enumerate(HAND.fingers):

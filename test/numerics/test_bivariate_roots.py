@@ -78,6 +78,7 @@ def test_a_root_on_the_seam_of_a_turn_stands_once():
     assert len(bivariate(lambda x, y: [np.sin(x), np.sin(y - x)]).roots) == 9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "postures"),
     [("tsai_morgan_3", 12), ("manocha_code_ex2", 4), ("fanuc_arcmate_generic", 8)],

@@ -94,6 +94,7 @@ def test_golden_robots(kind, golden):
         assert np.abs(found.polynomial[1::2]).max() < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_random_robots(kind):
     rng = np.random.default_rng(5)

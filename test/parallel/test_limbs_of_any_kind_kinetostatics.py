@@ -281,6 +281,7 @@ def test_both_types_at_once():
     assert found.type == 3
 
 
+@pytest.mark.slow
 def test_lengths():
     for name in CLOSED_FORMS:
         robot = load_parallel(name)

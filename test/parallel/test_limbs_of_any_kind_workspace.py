@@ -92,6 +92,7 @@ def linapod_margins(T):
     return np.array(left)
 
 
+@pytest.mark.slow
 def test_poses_of_rods_on_rails_are_judged_as_by_lines_between_points():
     rng, home = np.random.default_rng(2), home_pose(LINAPOD)
     poses = np.tile(home, (200, 1, 1))

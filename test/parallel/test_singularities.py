@@ -157,6 +157,7 @@ def test_distances_do_not_depend_on_units():
     assert singularity_distances(larger, scaled, length=200.0) == pytest.approx(here)
 
 
+@pytest.mark.slow
 def test_the_characteristic_length_makes_the_condition_least():
     robot = load_parallel("hexapod")
     length = platform_length(robot)

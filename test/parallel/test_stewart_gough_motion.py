@@ -108,6 +108,7 @@ def random_follows(count):
         yield robot, T, start * (1.0 + 0.08 * rng.normal(size=6))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [30, pytest.param(500, marks=pytest.mark.long)])
 def test_certified_and_singular_ends_are_those_of_the_traced_curve(count):
     counts = dict.fromkeys(Code, 0)

@@ -59,6 +59,7 @@ def study(seeds, starts):
     return wrong, complete, empty
 
 
+@pytest.mark.slow
 def test_a_few_random_platforms_against_a_search():
     wrong, complete, empty = study(range(12), 100)
     assert wrong == []

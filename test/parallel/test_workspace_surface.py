@@ -61,6 +61,7 @@ def test_what_nothing_ends_is_no_boundary():
     assert half.distance(half.centre[None] - [[0.0, 0.0, 0.6]])[0] > 0.8
 
 
+@pytest.mark.slow
 def test_inside_a_hexapod_as_explored_from_each_point():
     robot = load_parallel("hexapod")
     T = robot.mechanism.pose(robot.mechanism.home())

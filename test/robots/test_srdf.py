@@ -330,6 +330,7 @@ def test_thousands_of_long_chains_are_no_more_work_each_than_a_few():
     assert many < 4.5 * few
 
 
+@pytest.mark.slow
 def test_more_members_than_any_robot_has_are_refused():
     inner = "".join(f'<group name="g{i}"><group name="g0"/></group>' for i in range(1, 20_000))
     links = "".join(f'<joint name="{name}"/>' for name in ("a", "b", "mount", "grip", "l") * 20)

@@ -272,6 +272,7 @@ def test_inverse_and_forward_dynamics_belong_together(name):
         assert np.abs(skew + skew.T).max() < 1e-8 * max(1.0, np.abs(skew).max()) + rounding
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["two wheels, a caster", "four mecanum wheels", *STEERED])
 def test_energy_is_kept_to_1e_8(name):
     base = (BASES | STEERED)[name]

@@ -9,6 +9,7 @@ from robomech_ros.rolling.simulated import SimulatedBase
 PERIOD = 0.005
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["tricycle", "ackermann", "swerve"])
 def test_motors_move_a_base_with_steered_wheels(name):
     robot, rng = rolling_robot(name), np.random.default_rng(3)

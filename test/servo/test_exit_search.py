@@ -85,6 +85,7 @@ def test_a_line_that_inverse_kinematics_can_follow_leads_out(robot, direction):
     drive.assert_limits()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", ["puma560", pytest.param("irb120", marks=pytest.mark.long)])
 def test_out_of_a_wrist_singularity_lead_all_twists(robot):
     """The tip waits until the wrist has turned to where it can follow."""

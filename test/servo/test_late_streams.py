@@ -69,6 +69,7 @@ def test_twists_at_any_speed_that_come_late(robot, direction, speed):
     assert late.off_line() < 5e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rates", [(1.5, 0.0, -1.0, 0, 0, 0), (0, 0, 0, 0, 0, 4.0)])
 def test_joints_at_and_below_their_largest_speed_that_come_late(rates):
     for delay in (one_late, random_delays(5)):
@@ -93,6 +94,7 @@ def test_accelerations_do_not_step_where_a_way_bends(robot, number):
     assert seen.off_line() < 5e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("robot", "number", "speed", "delay"),
     [
@@ -121,6 +123,7 @@ def test_a_controller_that_is_held_up(stopped):
     assert late.off_line() < 5e-4
 
 
+@pytest.mark.slow
 def test_a_robot_that_fell_behind_gets_nearer_again():
     late = LateStream(
         "puma560", POSTURES["puma560"], jog(0.6, 0, 0, 0, 0, 0), one_late, seconds=2.5

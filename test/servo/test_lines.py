@@ -64,6 +64,7 @@ def run_approaches(robot, count, seed, period):
         assert_on_its_line(approach(robot, q, direction, 0.05 * 20.0 ** rng.uniform(), period))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", LIBRARY)
 def test_random_approaches(robot):
     run_approaches(robot, 2, 1, 0.01)

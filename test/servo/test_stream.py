@@ -40,6 +40,7 @@ def test_random_commands_of_both_kinds_exceed_nothing(robot):
 rates = st.floats(-1e300, 1e300) | st.floats(-3.0, 3.0) | st.just(0.0)
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None, derandomize=True)
 @given(
     st.lists(st.tuples(rates, rates, st.integers(1, 30)), min_size=1, max_size=6),

@@ -179,6 +179,7 @@ def test_a_way_to_a_pose_does_not_tip_the_robot_however_short_it_should_be(gait,
     assert moved[axis] == pytest.approx(far * way[axis], abs=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gait", ["tripod", "crawl", "trot"])
 def test_a_stream_of_poses_is_followed_without_a_jerk(gait):
     walker = walker_of(gait)

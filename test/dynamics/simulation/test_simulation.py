@@ -25,6 +25,7 @@ def test_an_arm_that_swings_freely_keeps_its_energy():
     assert np.abs(found.kinetic + found.potential - found.potential[0]).max() < 1e-8
 
 
+@pytest.mark.slow
 def test_the_energy_balance_with_friction_is_closed():
     rough = dataclasses.replace(ARM, drives=(Drive(0.5, 0.8), Drive(0.2, 0.3), Drive(0.1, 0.1)))
 

@@ -47,6 +47,7 @@ def planar_values(case, pose, theta, rates):
     return values
 
 
+@pytest.mark.slow
 def test_golden_planar_3rrr(golden, planar):
     case, (_, evaluate) = golden("dynamics_planar_3rrr"), planar
     rates = np.array(case["thd"])

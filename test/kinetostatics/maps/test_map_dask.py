@@ -27,6 +27,7 @@ def cluster():
         yield found
 
 
+@pytest.mark.slow
 def test_a_map_by_dask_is_that_of_threads_byte_for_byte(cluster, tmp_path):
     file, steps = tmp_path / "map.npz", []
 

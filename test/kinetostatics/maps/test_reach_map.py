@@ -241,6 +241,7 @@ def palletizer_postures(x, y, z, yaw):
     return count
 
 
+@pytest.mark.slow
 def test_a_map_of_a_palletizer_counts_the_postures_of_its_drives():
     chain, angles = coupled("palletizer"), np.array([0.3, 2.0])
     c, s = np.cos(angles), np.sin(angles)

@@ -337,6 +337,7 @@ TIPS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", TIPS)
 def test_issue_12_the_tip_of_a_planar_arm_of_three_joints_against_all_of_its_postures(kind):
     from scipy.spatial import cKDTree
@@ -365,6 +366,7 @@ def test_issue_12_the_tip_of_a_planar_arm_of_three_joints_against_all_of_its_pos
         assert within.all() and (curve.more, curve.fewer) == (1, 0)
 
 
+@pytest.mark.slow
 def test_issue_12_the_tip_of_the_planar_arm_reaches_as_far_as_its_links():
     """``greatest_reach`` was 1.8 m, of the axis of the third joint."""
     space = workspace_boundary(load_robot("planar3r"))

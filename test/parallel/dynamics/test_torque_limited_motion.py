@@ -131,6 +131,7 @@ def test_speeds_of_passive_joints_count():
     assert motion.pieces.joints == 3 and motion.duration > free.duration
 
 
+@pytest.mark.slow
 def test_corners_of_a_way_of_the_platform_are_passed_at_rest():
     robot, _ = followed("delta")
     mechanism = robot.mechanism

@@ -111,6 +111,7 @@ def test_axes_make_the_robot_of_the_class():
         assert np.abs(K @ own.twist_matrix(q) - np.eye(6)).max() <= 1e-10
 
 
+@pytest.mark.slow
 def test_six_rods_are_solved_as_a_platform_on_six_legs():
     mechanism = load_parallel("linapod")
     chains = [limb.chain for limb in mechanism.limbs]

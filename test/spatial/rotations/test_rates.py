@@ -88,6 +88,7 @@ def test_the_rates_of_the_rotation_vector_are_smooth_where_series_end():
         np.testing.assert_allclose(low, high, atol=2e-11)
 
 
+@pytest.mark.slow
 def test_the_book_formulae_by_sympy():
     t = sympy.Symbol("t")
     phi = 0.4 + 0.7 * t + 0.2 * t**2

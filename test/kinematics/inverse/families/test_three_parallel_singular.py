@@ -133,6 +133,7 @@ def test_free_wrist_keeps_joint_6_at_the_seed_where_the_arm_reaches(three_parall
         assert distance.min() < 1e-6
 
 
+@pytest.mark.slow
 def test_free_wrist_takes_the_nearest_joint_6_in_reach(three_parallel_arm):
     """The range of joint 6 in which the planar arm reaches, found here by trial."""
     chain = three_parallel_arm("ur5e")
