@@ -19,7 +19,7 @@ def test_clients_of_the_suite(suite, bringup, outsider, output_of):
         state = outsider.wait_for_joints(accept)
         return dict(zip(state.name, state.position, strict=True))
 
-    with bringup("--robot", "puma560"):
+    with bringup("--robot", "puma560", "--in-one-process"):
         start = still_at(lambda q: set(q) == set(chain.joint_names))
         text = run("solve_ik_client")
         rows = [row.split(",") for row in re.findall(r"\[(.+)\]  shoulder-", text)]

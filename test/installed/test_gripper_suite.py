@@ -83,8 +83,8 @@ def test_a_gripper_is_closed_and_opened_while_the_arm_moves(bringup, outsider, t
     for topic, qos in (("/tf_static", LATCHED), ("/tf", 100)):
         outsider.node.create_subscription(TFMessage, topic, tree.append, qos)
     outsider.node.create_subscription(JointState, "joint_states", seen.append, 1000)
-    options = ("--robot", str(urdf), "--tip-link", "panda_hand_tcp", "--no-servo")
-    with bringup(*options, "--params-file", str(parameters)):
+    robot = ("--robot", str(urdf), "--tip-link", "panda_hand_tcp", "--no-servo")
+    with bringup(*robot, "--params-file", str(parameters), "--in-one-process"):
         state = outsider.wait_for_joints(lambda q: set(q) == {*ARM, *FINGERS})
         assert state.name == [*ARM, *FINGERS]
         actions = Actions(outsider)

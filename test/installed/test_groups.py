@@ -39,7 +39,8 @@ def test_home_of_an_srdf_is_reached_by_its_name_and_each_group_has_its_own_joint
 ):
     urdf, srdf = files
     with bringup(
-        "--robot", urdf, "--srdf", srdf, "--group", "right_arm", "--no-servo", "--move-group"
+        *("--robot", urdf, "--srdf", srdf, "--group", "right_arm"),
+        *("--no-servo", "--move-group", "--in-one-process"),
     ):
         outsider.wait_for_joints(near(HOME))
         plan_and_arrive(outsider, {name: place + 0.2 for name, place in HOME.items()})

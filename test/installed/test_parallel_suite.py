@@ -46,7 +46,7 @@ def test_a_parallel_robot_is_brought_up_and_moved_as_an_arm_is(bringup, outsider
     node.create_subscription(TFMessage, "/tf_static", take, LATCHED)
     node.create_subscription(TFMessage, "/tf", take, 100)
     mechanism = load_parallel(name).mechanism
-    with bringup("--robot", name):
+    with bringup("--robot", name, "--in-one-process"):
         first = outsider.wait_for_joints(lambda q: tuple(q) == mechanism.joint_names)
         target = mechanism.pose(first.position)
         target[2, 3] += lift

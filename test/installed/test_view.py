@@ -28,7 +28,7 @@ def asked(url, path, **headers):
 
 @pytest.mark.timeout(300)
 def test_bringup_prints_an_address_that_answers(suite):
-    options = ("--robot", "scara", "--namespace", "left", "--view", "--view-port", "0")
+    options = ("--robot", "mecanum", "--namespace", "left", "--view", "--view-port", "0")
     command = [str(suite.executables / "robomech"), "bringup", *options]
     process = subprocess.Popen(command, env=suite.environment, stdout=subprocess.PIPE, text=True)
     try:
