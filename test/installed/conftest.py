@@ -7,9 +7,10 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 import yaml
@@ -174,25 +175,54 @@ def outsider(domain_id: int) -> Iterator[Any]:
     result.close()
 
 
+@contextmanager
+def brought_up(
+    suite: Installed, *arguments: str, end: signal.Signals = signal.SIGINT
+) -> Iterator[subprocess.Popen[bytes]]:
+    """Start `robomech bringup`, and require exit code 0 when it is told to end."""
+    process = subprocess.Popen(
+        [str(suite.executables / "robomech"), "bringup", *arguments], env=suite.environment
+    )
+    try:
+        yield process
+        assert process.poll() is None, f"bringup ended by itself with {process.returncode}"
+        process.send_signal(end)
+        assert process.wait(PATIENCE) == 0
+    finally:
+        if process.poll() is None:
+            process.kill()
+            process.wait()
+
+
 @pytest.fixture
 def bringup(suite: Installed) -> Callable[..., Any]:
     """Start `robomech bringup`, and require exit code 0 when it is told to end."""
+    return partial(brought_up, suite)
 
-    @contextmanager
-    def start(
-        *arguments: str, end: signal.Signals = signal.SIGINT
-    ) -> Iterator[subprocess.Popen[bytes]]:
-        process = subprocess.Popen(
-            [str(suite.executables / "robomech"), "bringup", *arguments], env=suite.environment
-        )
-        try:
-            yield process
-            assert process.poll() is None, f"bringup ended by itself with {process.returncode}"
-            process.send_signal(end)
-            assert process.wait(PATIENCE) == 0
-        finally:
-            if process.poll() is None:
-                process.kill()
-                process.wait()
 
-    return start
+class Running(NamedTuple):
+    """A robot that is brought up: its suite, and somebody on its network."""
+
+    suite: Installed
+    outsider: Any
+
+
+@pytest.fixture(scope="module")
+def shared_bringup() -> Iterator[Callable[..., Running]]:
+    """Bring a robot up for all tests of a module."""
+    from outsider import Outsider
+
+    from robomech_ros.nodes.process.free_domain import free_domain
+
+    with ExitStack() as stack:
+
+        def start(*arguments: str) -> Running:
+            number = stack.enter_context(free_domain())
+            environment = clean_environment(ROS_DOMAIN_ID=str(number))
+            suite = Installed(Path(sys.prefix) / "bin", environment)
+            outsider = Outsider(number)
+            stack.callback(outsider.close)
+            stack.enter_context(brought_up(suite, *arguments))
+            return Running(suite, outsider)
+
+        yield start

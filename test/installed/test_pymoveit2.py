@@ -118,6 +118,12 @@ class Arm:
             assert time.monotonic() < deadline, names
             time.sleep(0.02)
 
+    def clear(self):
+        """Remove all objects."""
+        future = self.moveit.clear_all_collision_objects(timeout_sec=PATIENCE)
+        assert done(future, self.moveit.process_clear_all_collision_objects_future)
+        self.wait_for_objects()
+
     def valid(self, q):
         """Whether a posture touches nothing."""
         request = GetStateValidity.Request()
@@ -125,24 +131,35 @@ class Arm:
         return self.outsider.call(GetStateValidity, "check_state_validity", request).valid
 
 
+@pytest.fixture(scope="module")
+def urdf(tmp_path_factory):
+    """An arm with shapes and a gripper."""
+    path = tmp_path_factory.mktemp("robot") / "arm.urdf"
+    path.write_text(shaped_ur5e().replace("</robot>", FINGERS), encoding="utf-8")
+    return str(path)
+
+
+@pytest.fixture(scope="module")
+def running(shared_bringup, urdf):
+    """A running suite with move_group for all tests of this module."""
+    return shared_bringup("--robot", urdf, "--tip-link", "tool0", "--move-group", "--no-servo")
+
+
 @pytest.fixture
-def arm(bringup, outsider, tmp_path):
-    """A running suite with move_group, and a client at HERE."""
-    urdf = tmp_path / "arm.urdf"
-    urdf.write_text(shaped_ur5e(), encoding="utf-8")
+def arm(running):
+    """Make a client in an empty scene, whose arm is at HERE."""
 
     @contextmanager
     def start(**options):
-        arguments = ("--robot", str(urdf), "--move-group", "--no-servo")
-        with bringup(*arguments):
-            client = Arm(outsider, **options)
-            wait_until_connected(outsider)
-            outsider.wait_for_joints(lambda q: True)
+        client = Arm(running.outsider, **options)
+        try:
+            wait_until_connected(running.outsider)
+            running.outsider.wait_for_joints(lambda q: True)
+            client.clear()
             client.go(HERE)
-            try:
-                yield client
-            finally:
-                client.moveit.destroy()
+            yield client
+        finally:
+            client.moveit.destroy()
 
     return start
 
@@ -248,9 +265,7 @@ def test_obstacles(arm):
         client.wait_for_objects("wall", "ball", "block")
         moveit.remove_collision_object("ball")
         client.wait_for_objects("wall", "block")
-        future = moveit.clear_all_collision_objects(timeout_sec=PATIENCE)
-        assert done(future, moveit.process_clear_all_collision_objects_future)
-        client.wait_for_objects()
+        client.clear()
         client.go(HERE)
 
 
@@ -266,46 +281,36 @@ def test_a_motion_is_cancelled(arm):
         assert np.abs(client.position - np.array(THERE)).max() > 0.1
 
 
-def test_a_gripper(bringup, outsider, tmp_path):
-    urdf = tmp_path / "arm.urdf"
-    urdf.write_text(shaped_ur5e().replace("</robot>", FINGERS), encoding="utf-8")
-    with bringup("--robot", str(urdf), "--tip-link", "tool0", "--move-group", "--no-servo"):
-        gripper = made(
-            outsider,
-            pymoveit2.GripperCommand,
-            gripper_joint_names=["grip"],
-            open_gripper_joint_positions=0.04,
-            closed_gripper_joint_positions=0.0,
-            gripper_command_action_name="gripper_controller/gripper_cmd",
-        )
-        # A node that is still starting would not end in time.
-        outsider.client(GetPlanningScene, "get_planning_scene")
-        wait_until_connected(outsider)
-        outsider.wait_for_joints(lambda q: "grip" in q)
-        for move, place in ((gripper.open, 0.04), (gripper.close, 0.0)):
-            deadline = time.monotonic() + PATIENCE
-            while not move():
-                assert time.monotonic() < deadline
-                time.sleep(0.1)
-            assert gripper.wait_until_executed(PATIENCE)
-            outsider.wait_for_joints(lambda q, at=place: abs(q["grip"] - at) < 1e-3)
-        gripper.destroy()
+def test_a_gripper(running):
+    outsider = running.outsider
+    gripper = made(
+        outsider,
+        pymoveit2.GripperCommand,
+        gripper_joint_names=["grip"],
+        open_gripper_joint_positions=0.04,
+        closed_gripper_joint_positions=0.0,
+        gripper_command_action_name="gripper_controller/gripper_cmd",
+    )
+    # A node that is still starting would not end in time.
+    outsider.client(GetPlanningScene, "get_planning_scene")
+    wait_until_connected(outsider)
+    outsider.wait_for_joints(lambda q: "grip" in q)
+    for move, place in ((gripper.open, 0.04), (gripper.close, 0.0)):
+        deadline = time.monotonic() + PATIENCE
+        while not move():
+            assert time.monotonic() < deadline
+            time.sleep(0.1)
+        assert gripper.wait_until_executed(PATIENCE)
+        outsider.wait_for_joints(lambda q, at=place: abs(q["grip"] - at) < 1e-3)
+    gripper.destroy()
 
 
-def test_a_servo(bringup, suite, outsider, tmp_path):
-    urdf = tmp_path / "arm.urdf"
-    urdf.write_text(shaped_ur5e(), encoding="utf-8")
+def test_a_servo(arm, running, urdf):
     options = ("-r", "__node:=servo_node", "-p", f"robot_description:={urdf}")
-    with (
-        bringup("--robot", str(urdf), "--move-group", "--no-servo"),
-        suite.node("servo_node", *options),
-    ):
-        client = Arm(outsider)
-        wait_until_connected(outsider)
-        client.go(HERE)
+    with arm() as client, running.suite.node("servo_node", *options, "-p", "tip_link:=tool0"):
         start = forward_kinematics(UR5E, client.position)
         servo = made(
-            outsider,
+            running.outsider,
             pymoveit2.MoveIt2Servo,
             frame_id=UR5E.base,
             linear_speed=0.1,
@@ -336,4 +341,3 @@ def test_a_servo(bringup, suite, outsider, tmp_path):
         found = scene.clearance(client.position)
         assert "table" in found.bodies and found.distance > 0.0, found
         servo.destroy()
-        client.moveit.destroy()
