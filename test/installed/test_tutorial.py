@@ -68,7 +68,7 @@ def test_every_block_runs_in_order(suite, bringup, outsider, repository, tmp_pat
     for _, language, text in before:
         output = run(language, text)
     assert output.count("[") == 5  # four postures
-    with bringup(*shlex.split(rest.pop(0)[2])[2:]):
+    with bringup(*shlex.split(rest.pop(0)[2])[2:], "--in-one-process"):
         (_, language, text), plan, line, jog, gripper, obstacle, client = rest
         assert run(language, text).count("- positions:") == 4
         run(*plan[1:])
