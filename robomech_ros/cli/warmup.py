@@ -1,12 +1,15 @@
 """``robomech warmup``: compile all kernels, or load them from the cache."""
 
 import argparse
+import gc
 import logging
 import os
 import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from contextlib import ExitStack
+from functools import partial
 from graphlib import TopologicalSorter
 from importlib import import_module
 from multiprocessing import get_context
@@ -27,11 +30,15 @@ _REDUNDANT = tuple(
     f"inverse.redundant.{name}"
     for name in ("arm_angle", "crossings", "nearest", "samples", "settling", "solutions", "tracing")
 )
+# Demonstrations of an arm beside the usual one.
+OBSTACLES, FLOATING = "obstacles", "floating"
 # Kernels that only some demonstrations use, by the kind of robot: folders and modules.
 _USED_BY = {
+    OBSTACLES: ("collision",),
+    FLOATING: ("dynamics.floating",),
     "parallel": ("parallel", "loops"),
     "rolling": ("rolling",),
-    "walking": ("walking", "loops"),
+    "walking": ("walking", "loops", "dynamics.floating"),
     "hand": ("hands", "kinetostatics.rates"),
     "calibration": ("calibration",),
 }
@@ -117,23 +124,39 @@ def warm(
 def _compiled_in_parallel(modules: Sequence[str]) -> Iterator[tuple[str, float]]:
     """Fill the cache from as many processes as there are cores, each module after what it needs.
 
-    Of those that can be compiled, the one is next that most remains to be done after.
+    What kernels have inline is compiled once in each process, so that a process goes on with
+    modules that need what it has, and others do not.  Among these the one is next that most
+    remains to be done after.
     """
     cores = min(os.cpu_count() or 1, len(modules))
     needs = {name: sources().imported(name).intersection(modules) for name in modules}
     remaining = _remaining(needs)
     order = TopologicalSorter(needs)
     order.prepare()
-    ready: list[str] = []
-    running: dict[Future[float], str] = {}
-    with ProcessPoolExecutor(cores, get_context("spawn"), initializer=_start_worker) as pool:
+    ready: set[str] = set()
+    running: dict[Future[float], tuple[str, int]] = {}
+    has: list[set[str]] = [set() for _ in range(cores)]
+
+    def choice(name: str, process: int) -> tuple[int, int]:
+        """Return how many more of its modules this process has than the others, and the rest."""
+        known = [len(sources().closure(name) & own) for own in has]
+        return (cores * known[process] - sum(known), remaining[name])
+
+    with ExitStack() as stack:
+        make = partial(ProcessPoolExecutor, 1, get_context("spawn"), initializer=_start_worker)
+        pools = [stack.enter_context(make()) for _ in range(cores)]
+        free = set(range(cores))
         while order.is_active():
-            ready = sorted([*ready, *order.get_ready()], key=remaining.__getitem__)
-            while ready and len(running) < cores:
-                name = ready.pop()
-                running[pool.submit(_import, name)] = name
+            ready.update(order.get_ready())
+            while ready and free:
+                process = free.pop()
+                name = max(ready, key=lambda each, process=process: choice(each, process))
+                ready.remove(name)
+                has[process] |= sources().closure(name)
+                running[pools[process].submit(_import, name)] = name, process
             for future in wait(running, return_when=FIRST_COMPLETED).done:
-                name = running.pop(future)
+                name, process = running.pop(future)
+                free.add(process)
                 order.done(name)
                 yield name, future.result()
 
@@ -154,6 +177,7 @@ def _start_worker() -> None:
     """Prepare a process that compiles and does nothing else."""
     # Its message on kernels to be compiled was printed here.
     logging.disable(logging.WARNING)
+    gc.set_threshold(50_000, 20, 100)
     _hash_options_faster()
 
 

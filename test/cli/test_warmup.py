@@ -27,7 +27,8 @@ def test_only_what_is_stale_is_compiled(monkeypatch):
 @pytest.mark.parametrize(
     ("robot", "kind", "used", "unused"),
     [
-        ("ur5e", "", "inverse", {"parallel", "loops", "rolling", "walking", "hands"}),
+        ("ur5e", "", "inverse", {"parallel", "loops", "rolling", "walking", "hands", "collision"}),
+        ("ur5e", warmup.OBSTACLES, "collision", {"parallel", "loops", "rolling", "walking"}),
         ("ur5e", "calibration", "calibration", {"parallel", "rolling", "walking", "hands"}),
         ("delta", "parallel", "loops", {"rolling", "walking", "hands", "calibration"}),
         ("hexapod", "walking", "walking", {"parallel", "rolling", "hands", "calibration"}),

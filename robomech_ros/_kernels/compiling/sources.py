@@ -59,18 +59,25 @@ class KernelSources:
             Its file, where it is a module of others that makes kernels, too.
         """
         if module not in self._digests:
-            found = {module: file or self._files[module]}
-            waiting = [module]
-            while waiting:
-                for name in self._content(found[waiting.pop()])[1]:
-                    if name not in found:
-                        found[name] = self._files[name]
-                        waiting.append(name)
             sha = hashlib.sha256()
-            for name in sorted(found):
-                sha.update(f"{name}\0{self._content(found[name])[0]}\0".encode())
+            for name, path in sorted(self._closure(module, file or self._files[module]).items()):
+                sha.update(f"{name}\0{self._content(path)[0]}\0".encode())
             self._digests[module] = sha.hexdigest()[:16]
         return self._digests[module]
+
+    def closure(self, module: str) -> frozenset[str]:
+        """Name a module and all that it imports here, directly or not."""
+        return frozenset(self._closure(module, self._files[module]))
+
+    def _closure(self, module: str, file: Path) -> dict[str, Path]:
+        found = {module: file}
+        waiting = [module]
+        while waiting:
+            for name in self._content(found[waiting.pop()])[1]:
+                if name not in found:
+                    found[name] = self._files[name]
+                    waiting.append(name)
+        return found
 
     def _content(self, file: Path) -> tuple[str, frozenset[str]]:
         """Read a file: the digest of its text, and the modules that it mentions."""

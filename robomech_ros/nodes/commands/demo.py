@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 
 from robomech_ros.cli.kind_options import note_kinds, refuse_options
-from robomech_ros.cli.warmup import demonstration_modules, warm
+from robomech_ros.cli.warmup import FLOATING, OBSTACLES, demonstration_modules, warm
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.commands.bringup import refuse_of_kind
 from robomech_ros.nodes.process.nodes_by_kind import KIND_NODES, REFUSED, NodesOfKind
@@ -134,7 +134,8 @@ def run(args: argparse.Namespace) -> int:
 
         demonstrate(which, args.output, args.payload if args.dynamic else None)
 
-    return run_demonstration("demo", args.robot, kind_of(args.robot), demonstration)
+    kind = OBSTACLES if args.obstacles else FLOATING if floats else kind_of(args.robot)
+    return run_demonstration("demo", args.robot, kind, demonstration)
 
 
 def run_demonstration(

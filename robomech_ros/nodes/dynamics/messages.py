@@ -9,7 +9,7 @@ import numpy as np
 from geometry_msgs.msg import Inertia, Vector3, WrenchStamped
 from sensor_msgs.msg import JointState
 
-from robomech_ros.dynamics import DynamicSystem, FloatingDynamics, TorqueSummary
+from robomech_ros.dynamics import DynamicSystem, TorqueSummary
 from robomech_ros.errors import BadValueError, NonFiniteError, WrongSizeError
 from robomech_ros.execution.received_trajectory import joint_order
 from robomech_ros.nodes.common.messages.joint_messages import positions_by_name
@@ -68,7 +68,7 @@ class Motions:
         """
         q, qd, qdd = self.q, self.qd, self.qdd
         none, weightless = np.zeros_like(qd), np.zeros(3)
-        still = system.without_momentum() if isinstance(system, FloatingDynamics) else system
+        still = system.without_momentum() if hasattr(system, "without_momentum") else system
         return {
             "effort": system.inverse(q, qd, qdd, gravity=gravity, tip_wrench=wrench),
             "gravity": still.inverse(q, none, none, gravity=gravity),

@@ -16,7 +16,7 @@ from robomech_interfaces.srv import (
     SetPayload,
     SummarizeTorques,
 )
-from robomech_ros.dynamics import ChainDynamics, DynamicSystem, FloatingDynamics, torque_summary
+from robomech_ros.dynamics import ChainDynamics, DynamicSystem, torque_summary
 from robomech_ros.errors import RobomechError, WrongSizeError
 from robomech_ros.errors.formatting import counted
 from robomech_ros.execution.received_trajectory import read_waypoints
@@ -158,6 +158,9 @@ class DynamicsNode(Node):
         if not (self._floating.floats and isinstance(system, ChainDynamics)):
             return system
         momentum = self._table.settings.momentum or None
+        # Compiled code is loaded only for such a robot.
+        from robomech_ros.dynamics import FloatingDynamics
+
         return FloatingDynamics(self._floating.carrying(system.chain), momentum)
 
     async def _positions(self, state: JointState) -> Array:

@@ -41,7 +41,6 @@ from robomech_ros.nodes.common.robot.robot_description import LATCHED, RobotMode
 from robomech_ros.nodes.common.robot.robot_source import when_robot_known
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.kinematics.chain_manipulator import ChainManipulator
-from robomech_ros.nodes.kinematics.inertial_solution import solve_inertial
 from robomech_ros.nodes.kinematics.markers import MarkerPublisher, posture_markers
 from robomech_ros.nodes.kinematics.messages import (
     answer_in_time,
@@ -142,6 +141,9 @@ class KinematicsNode(Node):
         scene = await self._scene.of(way, request.ignore_collisions)
         start, in_base = perf_counter(), T if frame is None else frame @ T
         if self._floating.floats and self._frames.is_apart(header.frame_id):
+            # Compiled code is loaded only for such a robot.
+            from robomech_ros.nodes.kinematics.inertial_solution import solve_inertial
+
             robot, options = self._floating.carrying(way), inverse_options(request)
             solve = partial(solve_inertial, robot, in_base, seed, scene, options)
             result = await self._worker.do(solve)

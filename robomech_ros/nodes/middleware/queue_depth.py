@@ -42,11 +42,12 @@ def serve(
     one: INTERNAL with a text, or the text as its `message`, if it has such fields.
     """
     log = ThrottledLog(node.get_logger())
+    waits = inspect.iscoroutinefunction(callback)
 
     async def answered(request: Any, response: Any) -> Any:
         try:
             answer = callback(request, response)
-            return await answer if inspect.isawaitable(answer) else answer
+            return await answer if waits or inspect.isawaitable(answer) else answer
         except Exception as error:
             text = f"{name} failed, please report this:\n{traceback.format_exc()}"
             log.error(text)

@@ -23,7 +23,6 @@ from robomech_ros.nodes.common.messages.error_codes import answer, guarded
 from robomech_ros.nodes.common.messages.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.robot.floating_base import FloatingRobot
-from robomech_ros.nodes.common.robot.inertial_paths import plan_inertial
 from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.common.robot.robot_source import when_robot_known
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
@@ -159,6 +158,9 @@ class TrajectoryPlannerNode(Node):
         plan = partial(self._motions.along, path, start, kept, options)
         frames = [one.header.frame_id for one in request.waypoints]
         if self._floating.floats and self._are_apart(frames):
+            # Compiled code is loaded only for such a robot.
+            from robomech_ros.nodes.common.robot.inertial_paths import plan_inertial
+
             robot = self._floating.carrying(self._model.chain)
             plan = partial(plan_inertial, robot, path, start, kept=kept, **options)
         found = await self._planned(plan, beside=True)

@@ -114,11 +114,13 @@ def guarded(callback: _Callback) -> _Callback:
     is a defect, which `serve` answers.
     """
 
+    waits = inspect.iscoroutinefunction(callback)
+
     @functools.wraps(callback)
     async def call(self: Any, request: Any, response: Any) -> Any:
         try:
             found = callback(self, request, response)
-            return await found if inspect.isawaitable(found) else found
+            return await found if waits else found
         except RobomechError as error:
             return answer(type(response)(), code_of(error), str(error))
 

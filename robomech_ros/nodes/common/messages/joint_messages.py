@@ -121,6 +121,11 @@ class TrajectoryPoints:
         new = [JointTrajectoryPoint() for _ in range(m - len(self._points))]
         points = self._points[:m] + new
         self._points += new[: max(0, _POINTS_KEPT - len(self._points))]
+        if times is None and not rates:
+            rows = floats(positions)
+            for k, point in enumerate(points):
+                point._positions = rows[k * n : k * n + n]
+            return points
         # The parts of an empty list are empty.
         q, v, a = [*map(floats, (positions, *rates)), array("d"), array("d")][:3]
         instants = repeat(0) if times is None else np.rint(times * NANO).astype(np.int64).tolist()

@@ -32,9 +32,9 @@ def matrix_from_pose(pose: Pose, what: str = "pose") -> Array:
 
     Raises BadQuaternionError: the quaternion is zero or far from unit length.
     """
-    p, o = pose.position, pose.orientation
-    x, y, z, w = o.x, o.y, o.z, o.w
-    if not math.isfinite(p.x + p.y + p.z):
+    p, o = pose._position, pose._orientation  # quicker than nine properties
+    x, y, z, w = o._x, o._y, o._z, o._w
+    if not math.isfinite(p._x + p._y + p._z):
         require_finite(f"{what}.position", p)
         # Finite numbers whose sum overflows count as infinite.
         raise NonFiniteError(f"{what}.position", math.inf)
@@ -46,9 +46,9 @@ def matrix_from_pose(pose: Pose, what: str = "pose") -> Array:
         raise BadQuaternionError([x, y, z, w], f"{what}.orientation: {reason}, {expected}")
     x, y, z, w = x / norm, y / norm, z / norm, w / norm
     return np.array((
-        1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w), p.x,
-        2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w), p.y,
-        2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y), p.z,
+        1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w), p._x,
+        2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w), p._y,
+        2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y), p._z,
         0.0, 0.0, 0.0, 1.0,
     )).reshape(4, 4)  # fmt: skip
 
