@@ -14,7 +14,7 @@ from robomech_ros.printing import Printed
 from robomech_ros.trajectory.curves.bounds import extremes
 from robomech_ros.trajectory.curves.motion_to_rest import MotionThrough, MotionToRest
 from robomech_ros.trajectory.curves.time_scaling import checked_duration
-from robomech_ros.trajectory.limits import JERK_MARGIN, MARGIN, RATES, JointLimits, Limits
+from robomech_ros.trajectory.limits import JERK_MARGIN, MARGIN, JointLimits, Limits
 from robomech_ros.trajectory.plans.point_to_point import (
     PROFILES,
     point_to_point,
@@ -233,7 +233,10 @@ def _shown_ratios(plan: SampledPlan, limits: Limits) -> Array:
     shortest = float((times[1:] - times[:-1]).min(initial=np.inf))
     least = shortest**2 * min(MARGIN * acceleration, shortest * JERK_MARGIN * jerk)
     if not position_rounding(plan.waypoints.positions) > least:
-        return np.array([getattr(plan.verification, f"peak_{rate}_ratio") for rate in RATES])
+        of = plan.verification
+        return np.array(
+            (seen.peak_velocity_ratio, seen.peak_acceleration_ratio, seen.peak_jerk_ratio)
+        )
     low, high = extremes(plan.waypoints.curve)
     return np.maximum(-low, high)[1:] / limits.rates
 

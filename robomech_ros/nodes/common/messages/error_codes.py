@@ -113,7 +113,6 @@ def guarded(callback: _Callback) -> _Callback:
     A RobomechError becomes its code and text in an otherwise empty response.  Any other exception
     is a defect, which `serve` answers.
     """
-
     waits = inspect.iscoroutinefunction(callback)
 
     @functools.wraps(callback)

@@ -3,7 +3,6 @@
 import math
 from array import array
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import repeat
 from typing import Any
 
 import numpy as np
@@ -113,7 +112,7 @@ class TrajectoryPoints:
     def filled(
         self, times: Array | None, positions: Array, *rates: Array
     ) -> list[JointTrajectoryPoint]:
-        """Return m points at times (m,) (s), or always all at 0, always with as many rates.
+        """Return m points at times (m,) (s), always with as many rates; or always positions only.
 
         Positions, and velocities and accelerations if given, are of shape (m, n) (rad or m).
         """
@@ -121,22 +120,20 @@ class TrajectoryPoints:
         new = [JointTrajectoryPoint() for _ in range(m - len(self._points))]
         points = self._points[:m] + new
         self._points += new[: max(0, _POINTS_KEPT - len(self._points))]
-        if times is None and not rates:
-            rows = floats(positions)
-            for k, point in enumerate(points):
-                point._positions = rows[k * n : k * n + n]
-            return points
         # The parts of an empty list are empty.
         q, v, a = [*map(floats, (positions, *rates)), array("d"), array("d")][:3]
-        instants = repeat(0) if times is None else np.rint(times * NANO).astype(np.int64).tolist()
-        row = slice(0, 0)
-        for point, instant in zip(points, instants, strict=False):
-            row = slice(row.stop, row.stop + n)
-            # A part of Python's array is copied faster than a row of numpy's.  The setter of the
-            # field would copy it once more; its slot does not.
-            point._positions, point._velocities, point._accelerations = q[row], v[row], a[row]
-            time = point._time_from_start
-            time._sec, time._nanosec = divmod(instant, NANO)
+        # A part of Python's array is copied faster than a row of numpy's.  The setter of the field
+        # would copy it once more; its slot does not.
+        if times is None:
+            for k, point in enumerate(points):
+                point._positions = q[k * n : k * n + n]
+            return points
+        i, instants = 0, divmod(np.rint(times * NANO).astype(np.int64), NANO)
+        for point, sec, nanosec in zip(points, *map(np.ndarray.tolist, instants), strict=False):
+            j = i + n
+            point._positions, point._velocities, point._accelerations = q[i:j], v[i:j], a[i:j]
+            i, time = j, point._time_from_start
+            time._sec, time._nanosec = sec, nanosec
         return points
 
 
