@@ -233,7 +233,7 @@ def _shown_ratios(plan: SampledPlan, limits: Limits) -> Array:
     shortest = float((times[1:] - times[:-1]).min(initial=np.inf))
     least = shortest**2 * min(MARGIN * acceleration, shortest * JERK_MARGIN * jerk)
     if not position_rounding(plan.waypoints.positions) > least:
-        of = plan.verification
+        seen = plan.verification
         return np.array(
             (seen.peak_velocity_ratio, seen.peak_acceleration_ratio, seen.peak_jerk_ratio)
         )
