@@ -137,7 +137,7 @@ def _compiled_in_parallel(modules: Sequence[str]) -> Iterator[tuple[str, float]]
     running: dict[Future[float], tuple[str, int]] = {}
     has: list[set[str]] = [set() for _ in range(cores)]
 
-    def choice(name: str, process: int) -> tuple[int, int]:
+    def choice(process: int, name: str) -> tuple[int, int]:
         """Return how many more of its modules this process has than the others, and the rest."""
         known = [len(sources().closure(name) & own) for own in has]
         return (cores * known[process] - sum(known), remaining[name])
@@ -150,7 +150,7 @@ def _compiled_in_parallel(modules: Sequence[str]) -> Iterator[tuple[str, float]]
             ready.update(order.get_ready())
             while ready and free:
                 process = free.pop()
-                name = max(ready, key=lambda each, process=process: choice(each, process))
+                name = max(ready, key=partial(choice, process))
                 ready.remove(name)
                 has[process] |= sources().closure(name)
                 running[pools[process].submit(_import, name)] = name, process
