@@ -35,10 +35,12 @@ PARALLEL := -n auto --maxprocesses 8 -rs $(LONGEST)
 # A test of what takes the rest may wait minutes for the processor; the limit is for those that never end.
 PATIENT := --timeout 1800
 COMPUTING := $(PARALLEL) $(PATIENT) --ignore=test/nodes --ignore=test/installed --ignore=test/rvs
-ANSWERING := $(PARALLEL) --ignore=test/nodes/motion test/nodes test/rvs
-# Two workers, as robots mostly wait. Where Fast DDS takes a process down while a participant leaves, the test that ran
+# Nodes and robots mostly wait: three workers keep two cores no more than half busy.
+WAITING := -n 3 -rs $(LONGEST)
+ANSWERING := $(WAITING) --ignore=test/nodes/motion test/nodes test/rvs
+# Where Fast DDS takes a process down while a participant leaves, the test that ran
 # is named, and the others go on; not so with --dist loadgroup, which then hangs.
-MOVING := -n 2 -rs $(LONGEST) test/nodes/motion
+MOVING := $(WAITING) test/nodes/motion
 INSTALLED := $(PARALLEL) test/installed
 # What takes long without computing: robots that move, browsers, processes.
 QUICK := --ignore=test/nodes/motion --ignore=test/rvs/in_chromium --ignore=test/installed
