@@ -93,8 +93,16 @@ def test_robot_world():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("mount", MOUNTS)
-@pytest.mark.parametrize("robot", [(0.0, 0.0), CAMERA], ids=["camera", "camera and robot"])
+@pytest.mark.parametrize(
+    ("mount", "robot"),
+    [
+        (MOUNTS[0], CAMERA),
+        (MOUNTS[1], (0.0, 0.0)),
+        pytest.param(MOUNTS[0], (0.0, 0.0), marks=pytest.mark.long),
+        pytest.param(MOUNTS[1], CAMERA, marks=pytest.mark.long),
+    ],
+    ids=lambda value: value if isinstance(value, str) else f"robot-{value[0]:g}",
+)
 def test_the_ellipsoid_of_95_percent_has_the_truth_in_95_percent(mount, robot):
     rng = np.random.default_rng(5)
     inside = 0

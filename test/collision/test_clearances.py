@@ -26,7 +26,7 @@ ROBOTS = [
     "sliding",
     "meshes",
     pytest.param("panda", marks=in_cell),
-    pytest.param("ur5", marks=in_cell),
+    pytest.param("ur5", marks=[in_cell, pytest.mark.long]),
 ]
 
 

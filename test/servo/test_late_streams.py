@@ -52,9 +52,9 @@ def random_delays(seed):
 @pytest.mark.parametrize(
     ("direction", "speed"),
     [
-        ("across", 0.05),
         ("up", 0.4),
         ("across", 1.0),
+        pytest.param("across", 0.05, marks=pytest.mark.long),
         pytest.param("up", 0.05, marks=pytest.mark.long),
         pytest.param("across", 0.4, marks=pytest.mark.long),
         pytest.param("up", 1.0, marks=pytest.mark.long),
