@@ -28,7 +28,6 @@ SLOWER = {
     "path_smoothed": 6,
     "path_torques": 60,
 }
-COUNTS = dict.fromkeys(CASES, 200) | SLOWER
 
 
 def of(profile, count, **marks):
@@ -38,8 +37,8 @@ def of(profile, count, **marks):
 @pytest.mark.parametrize(
     ("profile", "count"),
     [
-        *(of(profile, COUNTS[profile] // 2) for profile in CASES),
-        *(of(profile, 4 * COUNTS[profile], marks=pytest.mark.long) for profile in CASES),
+        *(of(profile, SLOWER.get(profile, 300)) for profile in CASES),
+        *(of(profile, 4 * count, marks=pytest.mark.long) for profile, count in SLOWER.items()),
     ],
 )
 def test_plans_over_many_magnitudes(profile, count):
