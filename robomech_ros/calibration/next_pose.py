@@ -33,7 +33,7 @@ class NextPose:
     pose : ndarray, shape (4, 4)
         ``T_base_hand``.
     covariance : ndarray, shape (6, 6)
-        Of the sensor's pose with that sample, as in the result.
+        Covariance of the sensor's pose with that sample, as in the result.
     gain : float
         Factor, at least 1, by which its error ellipsoid gets smaller: the root of the ratio of
         the determinants.
@@ -50,7 +50,7 @@ def next_best_pose(calibration: HandEyeResult, candidates: ArrayLike | None = No
     Parameters
     ----------
     calibration : HandEyeResult
-        Of the samples so far.
+        Calibration of the samples so far.
     candidates : array_like, shape (m, 4, 4), optional
         ``T_base_hand`` to choose from, such as those that the robot can reach.  Without them,
         views of the target from where it was seen, turned about the target by 20 and 40

@@ -20,7 +20,7 @@ def serial_arm(chain: SerialChain, task_mask: Sequence[bool] | None = None) -> S
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     task_mask : sequence of six bool, optional
         Which of x, y, z, rx, ry, rz a path holds, along and about the axes of its pose, as for
         `inverse_kinematics`; default (and all False) the full pose.

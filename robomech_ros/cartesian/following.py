@@ -66,7 +66,7 @@ class PathFollowingResult:
     Attributes
     ----------
     robot : PathModel
-        Of n joints.
+        Robot of n joints.
     path : PosePath
     start : ndarray, shape (n,)
         Joint values (rad or m) that chose the branch.
@@ -107,9 +107,9 @@ def follow_path(
     Parameters
     ----------
     chain : SerialChain or PathModel
-        Of n joints; parallel robots have a follower of their own.
+        Chain of n joints; parallel robots have a follower of their own.
     path : PosePath
-        Of its tip in its base.
+        Path of its tip in its base.
     start : array_like, shape (n,)
         Joint values (rad or m) that choose the branch: those at the start of the path, or near.
     task_mask : sequence of six bool, optional

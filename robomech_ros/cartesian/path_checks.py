@@ -111,7 +111,7 @@ def relative_jump(chain: SerialChain, step: float, factor: float) -> PathCheck:
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     step : float
         Distance of neighbouring poses (m); at least ten steps are examined.
     factor : float

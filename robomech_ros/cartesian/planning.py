@@ -85,9 +85,9 @@ def plan_along(
     Parameters
     ----------
     chain : SerialChain or PathModel
-        Of n joints; parallel robots have a follower of their own.
+        Chain of n joints; parallel robots have a follower of their own.
     path : PosePath
-        Of its tip in its base, such as `waypoint_path` makes it.
+        Path of its tip in its base, such as `waypoint_path` makes it.
     start : array_like, shape (n,)
         Joint values (rad or m) at the start of the path, or near: they choose the branch.
     task_mask : sequence of six bool, optional

@@ -345,7 +345,7 @@ def _free_goals(scene: Any, postures: Array, clearance: float) -> tuple[list[int
 
 
 def _fault(found: Clearance, clearance: float) -> str:
-    """Say whether a posture is in contact, or does not keep the clearance (m)."""
+    """Return whether a posture is in contact, or does not keep the clearance (m)."""
     if found.distance <= 0.0:
         return "in contact"
     return f"nearer to a body than the clearance of {clearance:g} m"

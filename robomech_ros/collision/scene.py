@@ -280,7 +280,7 @@ class PlanningScene:
         return distances.nearest(rows) if rows.ndim == 1 else distances.nearest_in_batch(rows)
 
     def is_free(self, q: npt.ArrayLike, *, clearance: float = 0.0) -> bool | BoolArray:
-        """Tell whether all bodies are farther apart than a clearance (m).
+        """Return whether all bodies are farther apart than a clearance (m).
 
         Parameters
         ----------

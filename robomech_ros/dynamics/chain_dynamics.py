@@ -35,7 +35,7 @@ class ChainDynamics:
     Parameters
     ----------
     chain : SerialChain
-        Of n joints, with the bodies that they move.
+        Chain of n joints, with the bodies that they move.
 
     References
     ----------

@@ -30,7 +30,7 @@ def kinetic_energy(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     Parameters
     ----------
     chain : SerialChain
-        Of n joints, with the bodies that they move.
+        Chain of n joints, with the bodies that they move.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m).
     qd : array_like, of the same shape

@@ -40,7 +40,7 @@ def friction_torque(chain: SerialChain, qd: ArrayLike) -> Array:
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     qd : array_like, shape (n,) or (..., n)
         Joint rates (rad/s or m/s).
 

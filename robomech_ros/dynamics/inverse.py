@@ -61,7 +61,7 @@ def inverse_dynamics(
     Parameters
     ----------
     chain : SerialChain
-        Of n joints, with the bodies that they move.
+        Chain of n joints, with the bodies that they move.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m); a batch runs inside one compiled loop.
     qd, qdd : array_like, of the same shape

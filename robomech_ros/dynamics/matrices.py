@@ -22,7 +22,7 @@ def mass_matrix(chain: SerialChain, q: ArrayLike) -> Array:
     Parameters
     ----------
     chain : SerialChain
-        Of n joints, with the bodies that they move.
+        Chain of n joints, with the bodies that they move.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m); a batch runs inside one compiled loop.
 
@@ -77,7 +77,7 @@ def coriolis_matrix(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     Parameters
     ----------
     chain : SerialChain
-        Of n joints, with the bodies that they move.
+        Chain of n joints, with the bodies that they move.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m).
     qd : array_like, of the same shape

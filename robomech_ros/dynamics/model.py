@@ -48,7 +48,7 @@ def body_parameters(chain: SerialChain) -> Array:
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
 
     Returns
     -------

@@ -81,7 +81,7 @@ def torque_summary(
     Parameters
     ----------
     chain : SerialChain or DynamicSystem
-        Of n joints, with bodies.
+        Chain of n joints, with bodies.
     times : array_like, shape (k,)
         Instants (s), not decreasing, k >= 1; what lies between them is not seen.
     q : array_like, shape (k, n)

@@ -17,7 +17,7 @@ def with_payload(chain: SerialChain, payload: Body) -> SerialChain:
     Parameters
     ----------
     chain : SerialChain
-        Of one joint or more.
+        Chain of one joint or more.
     payload : Body
         Seen in the frame of the tip.
 

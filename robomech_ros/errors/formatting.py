@@ -15,7 +15,7 @@ def format_value(value: object) -> str:
     Parameters
     ----------
     value : object
-        Of any size.
+        Value of any size.
 
     Returns
     -------

@@ -12,7 +12,7 @@ from robomech_ros.typing import Array
 
 
 def is_force_closed(contacts: Sequence[Contact]) -> bool:
-    """Say whether contacts can balance every load by forces strictly inside their cones.
+    """Return whether contacts can balance every load by forces strictly inside their cones.
 
     Then, and only then, the grasp matrix has full rank and some internal forces are inside all
     cones.  Two frictionless contacts opposite each other are not closed, nor is a grasp that loses
@@ -47,7 +47,7 @@ def is_force_closed(contacts: Sequence[Contact]) -> bool:
 
 
 def is_form_closed(contacts: Sequence[Contact]) -> bool:
-    """Say whether contacts hold an object by their normals alone, to first order.
+    """Return whether contacts hold an object by their normals alone, to first order.
 
     That takes seven contacts in space and four in the plane.
 
@@ -67,7 +67,7 @@ def is_form_closed(contacts: Sequence[Contact]) -> bool:
 
 
 def _surrounds(rows: Array, planar: bool) -> bool:
-    """Say whether the wrenches of contacts surround the origin."""
+    """Return whether the wrenches of contacts surround the origin."""
     d = 3 if planar else 6
     middle = rows[:, :3].mean(axis=0)
     offset = rows[:, :3] - middle

@@ -61,7 +61,7 @@ def hand_jacobian(
     Parameters
     ----------
     hand : Hand
-        Of n joints.
+        Hand of n joints.
     q : array_like, shape (n,)
         Joint values, finger by finger (rad or m).
     contacts : sequence of Contact
@@ -148,7 +148,7 @@ def finger_rates(
     Returns
     -------
     rates : ndarray, shape (n,)
-        Of least norm where several do (rad/s or m/s).
+        Rates of least norm where several do (rad/s or m/s).
     slip : float
         What is left of the velocity at the contacts (m/s): 0 where the fingers can follow.
     """
@@ -219,7 +219,7 @@ def finger_accelerations(
     Returns
     -------
     accelerations : ndarray, shape (n,)
-        Of least norm where several do (rad/s^2 or m/s^2).
+        Accelerations of least norm where several do (rad/s^2 or m/s^2).
     slip : float
         What is left of the acceleration at the contacts (m/s^2).
 

@@ -41,7 +41,7 @@ def grasp_postures(
     Parameters
     ----------
     hand : Hand
-        Of n joints.
+        Hand of n joints.
     T : array_like, shape (4, 4)
         Pose of the object in the frame of the palm (m).
     contacts : sequence of Contact

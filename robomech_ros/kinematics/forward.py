@@ -29,7 +29,7 @@ def forward_kinematics(chain: SerialChain, q: ArrayLike) -> Array:
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m); a batch runs inside one compiled loop.
 
@@ -82,7 +82,7 @@ def link_poses(chain: SerialChain, q: ArrayLike, links: Sequence[str] | None = N
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m).
     links : sequence of str, optional

@@ -48,5 +48,5 @@ def scaled_jacobians(packed: Array, q: Array, size: float) -> Array:
 
 
 def moves_in_all_directions(chain: SerialChain, size: float) -> bool:
-    """Tell whether a six-joint arm of a size (m) has six degrees of freedom."""
+    """Return whether a six-joint arm of a size (m) has six degrees of freedom."""
     return mobility(chain, size) > ARM_MOBILITY

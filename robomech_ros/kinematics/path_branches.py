@@ -75,7 +75,7 @@ def branch_path(
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     poses : array_like, shape (m, 4, 4)
         ``T_base_tip`` one after another (m).
     start : array_like, shape (n,), optional

@@ -38,7 +38,7 @@ def jacobian_rate(chain: SerialChain, q: ArrayLike, qd: ArrayLike) -> Array:
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m).
     qd : array_like, of the same shape
@@ -98,7 +98,7 @@ def bias_acceleration(
     chain, q, qd
         As for :func:`jacobian_rate`.
     point : array_like, shape (3,), optional
-        Of the tip link, in its frame (m), that the twist is about; default the tip's origin.
+        Point of the tip link, in its frame (m), that the twist is about; default the tip's origin.
 
     Returns
     -------
@@ -145,7 +145,7 @@ def joint_accelerations(
         Rate of the angular velocity, then acceleration of the point, in the axes of the base
         (rad/s^2 and m/s^2); one for all of a batch or one each.
     point : array_like, shape (3,), optional
-        Of the tip link, in its frame (m); default the tip's origin.
+        Point of the tip link, in its frame (m); default the tip's origin.
     length : float, optional
         As for :func:`joint_rates`.
 

@@ -32,7 +32,7 @@ class BestPosture(NamedTuple):
     Attributes
     ----------
     condition_number : float
-        Of its Jacobian, in the 2-norm.
+        Condition number of its Jacobian, in the 2-norm.
     q : ndarray, shape (n,)
         Joint values (rad or m).
     """
@@ -50,7 +50,7 @@ def best_conditioned_posture(chain: SerialChain, *, length: float | None = None)
     Parameters
     ----------
     chain : SerialChain
-        Of one joint or more.
+        Chain of one joint or more.
     length : float, optional
         What the linear rows of the Jacobian are divided by (m); default the characteristic length.
 

@@ -103,7 +103,7 @@ def characteristic_length(chain: SerialChain, *, norm: str = "2") -> Characteris
     Parameters
     ----------
     chain : SerialChain
-        Of one joint or more.
+        Chain of one joint or more.
     norm : {"2", "frobenius"}, optional
         Of the condition number, as for :func:`condition_number`.
 
@@ -245,7 +245,7 @@ def conditioning_index(
     Parameters
     ----------
     chain : SerialChain
-        Of one joint or more.
+        Chain of one joint or more.
     part : {"pose", "position", "orientation"}, optional
         Which rows of the Jacobian count; for "pose" the linear ones are divided by the
         characteristic length.  Directions that the arm has in no posture, such as those out of the

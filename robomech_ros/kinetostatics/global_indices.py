@@ -32,7 +32,7 @@ class GlobalIndex(float):
     Attributes
     ----------
     standard_error : float
-        Of the average, by how much estimates from different points differ.
+        Standard error of the average, by how much estimates from different points differ.
     postures : int
         How many were evaluated.
     length : float
@@ -68,7 +68,7 @@ def global_conditioning_index(
     Parameters
     ----------
     chain : SerialChain
-        Of one joint or more.
+        Chain of one joint or more.
     norm : {"2", "frobenius"}, optional
         Of the condition number, as for :func:`condition_number`.
     part : {"pose", "position", "orientation"}, optional

@@ -47,7 +47,7 @@ def manipulability(
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m).
     part : {"pose", "position", "orientation"}, optional
@@ -99,7 +99,7 @@ def condition_number(
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m).
     norm : {"2", "frobenius"}, optional

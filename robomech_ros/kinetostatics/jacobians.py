@@ -25,7 +25,7 @@ def jacobian(chain: SerialChain, q: ArrayLike) -> Array:
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m); a batch runs inside one compiled loop.
 

@@ -34,7 +34,7 @@ def point_jacobian(
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m).
     point : array_like, shape (3,), optional

@@ -49,14 +49,14 @@ def joint_rates(
     Parameters
     ----------
     chain : SerialChain
-        Of n joints, one at least.
+        Chain of n joints, one at least.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m); a batch runs inside one compiled loop.
     twist : array_like, shape (6,) or (..., 6)
         Angular velocity, then the velocity of the point (rad/s and m/s); one for all of a batch
         or one each.
     point : array_like, shape (3,), optional
-        Of the tip link, in its frame (m), that has the twist; default the tip's origin.
+        Point of the tip link, in its frame (m), that has the twist; default the tip's origin.
     axes : str or array_like, shape (3, 3), optional
         In what axes the twist is expressed: the name of a link, such as ``chain.tip``, or a
         rotation ``R_base_axes``; default the base.

@@ -34,7 +34,7 @@ def task_jacobian(
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m).
     mask : sequence of six bool
@@ -69,11 +69,11 @@ def planar_jacobian(chain: SerialChain, q: ArrayLike, *, point: ArrayLike = TIP)
     Parameters
     ----------
     chain : SerialChain
-        Of n joints, all axes across one plane and all slides along it.
+        Chain of n joints, all axes across one plane and all slides along it.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m).
     point : array_like, shape (3,), optional
-        Of the tip link, in its frame (m); default the tip's origin.
+        Point of the tip link, in its frame (m); default the tip's origin.
 
     Returns
     -------

@@ -40,7 +40,7 @@ class SelfMotionCurve:
     Parameters
     ----------
     chain : SerialChain
-        Of n joints, more than six.
+        Chain of n joints, more than six.
     target : ndarray, shape (4, 4)
         ``T_base_tip`` that is kept (m).
     length : ndarray, shape (m,)
@@ -87,7 +87,7 @@ def self_motion_curve(chain: SerialChain, q: ArrayLike) -> SelfMotionCurve | Non
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     q : array_like, shape (n,)
         Inside the limits (rad or m).
 

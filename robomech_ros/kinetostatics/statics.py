@@ -37,14 +37,14 @@ def joint_torques(
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m).
     exerted_wrench : array_like, shape (6,) or (..., 6)
         Moment about the point, then force, of the tip on its surroundings (N m and N); one for all
         of a batch or one each.
     point : array_like, shape (3,), optional
-        Of the tip link, in its frame (m), at which the wrench acts; default the tip's origin.
+        Point of the tip link, in its frame (m), at which the wrench acts; default the tip's origin.
     axes : str or array_like, shape (3, 3), optional
         In what axes the wrench is expressed: the name of a link, such as ``chain.tip``, or a
         rotation ``R_base_axes``; default the base.
@@ -94,11 +94,11 @@ def wrench_from_torques(
     Parameters
     ----------
     chain : SerialChain
-        Of n joints, six or more.
+        Chain of n joints, six or more.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m).
     torques : array_like, of the shape of q or (n,)
-        Of the actuators, without what the weight of the links needs (N m or N).
+        Torques of the actuators, without what the weight of the links needs (N m or N).
     point, axes
         As for :func:`joint_torques`.
     length : float, optional

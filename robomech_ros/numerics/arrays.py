@@ -116,7 +116,7 @@ def distinct(points: Iterable[Array], apart: float) -> list[Array]:
 
 
 def all_finite(array: Array) -> bool:
-    """Say whether there is neither NaN nor infinity in an array."""
+    """Return whether there is neither NaN nor infinity in an array."""
     if array.size <= _FEW:
         return all(map(math.isfinite, array.ravel().tolist()))
     return bool(np.isfinite(array).all())

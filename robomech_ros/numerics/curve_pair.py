@@ -25,7 +25,7 @@ class CurveCrossing:
     Parameters
     ----------
     point : ndarray, shape (2,)
-        Of the plane, within the bounds.
+        Point of the plane, within the bounds.
     path : ndarray, shape (k, 2)
         The steps from the estimate to it; they may leave the bounds by whole periods.
     left_over : float

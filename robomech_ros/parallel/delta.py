@@ -37,9 +37,9 @@ class Delta:
     arm, forearm : float
         Lengths (m).
     azimuths : array_like, shape (3,), optional
-        Of the limbs about z, which points up (rad); -90, 30 and 150 degrees by default.
+        Azimuths of the limbs about z, which points up (rad); -90, 30 and 150 degrees by default.
     limits : array_like, shape (2,) or (3, 2), optional
-        Of the arms' angles, downwards from the horizontal (rad).
+        Limits of the arms' angles, downwards from the horizontal (rad).
     drive_limits : mapping, optional
         Of ``velocity``, ``acceleration``, ``jerk`` and ``effort`` of all drives or of each (rad or
         m, and s; N m or N).

@@ -161,7 +161,7 @@ def _two_modes(a: Array, b: Array, squares: Array, pose: Array, step: Array) -> 
 
 
 def _can_move(a: Array, b: Array, squares: Array, pose: Array) -> bool:
-    """Say whether the platform can leave a pose with locked legs, either way."""
+    """Return whether the platform can leave a pose with locked legs, either way."""
     free = np.linalg.svd(_residual(a, b, squares, pose)[0])[2][5]
     for way in (_NUDGE, -_NUDGE):
         other = pose.copy()

@@ -26,7 +26,7 @@ class Limb:
     Parameters
     ----------
     angles : tuple of float
-        Of its actuated joint (rad): the branches ``-`` and ``+``; equal where they meet.
+        Angles of its actuated joint (rad): the branches ``-`` and ``+``; equal where they meet.
     excess : float
         By how much it misses the pose (m or rad), 0 where it does not.
     any_angle : bool

@@ -160,7 +160,7 @@ class Planar3RRR(_Planar):
     proximal, distal : float or array_like, shape (3,)
         Lengths of the driven links and of those behind them (m).
     limits : array_like, shape (2,) or (3, 2), optional
-        Of the driven joints, from the x axis (rad).
+        Limits of the driven joints, from the x axis (rad).
     drive_limits : mapping, optional
         Of ``velocity``, ``acceleration``, ``jerk`` and ``effort`` of all drives or of each (rad or
         m, and s; N m or N).

@@ -89,7 +89,7 @@ class LimbPostures:
         Actuated joints (rad), one row for each combination of the limbs' branches, nearest to the
         seed first if there was one, and within limits.
     branches : tuple of str
-        Of each row: for each limb ``+`` or ``-``, or ``0`` where both branches meet.
+        Branches of each row: for each limb ``+`` or ``-``, or ``0`` where both branches meet.
     status : Code
         ``NONE``, ``OUT_OF_REACH`` where a limb does not reach the pose, ``LIMITS_EXCLUDE_ALL``
         where limits exclude all branches of a limb, ``SINGULAR_CONTINUUM`` where any angle of a

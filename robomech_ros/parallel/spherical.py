@@ -41,7 +41,7 @@ class Spherical3RRR:
     distal : float or array_like, shape (3,), optional
         Angle :math:`\alpha_i` between middle and platform axis (rad); right angles by default.
     limits : array_like, shape (2,) or (3, 2), optional
-        Of the drives (rad).
+        Limits of the drives (rad).
     drive_limits : mapping, optional
         Of ``velocity``, ``acceleration``, ``jerk`` and ``effort`` of all drives or of each (rad or
         m, and s; N m or N).

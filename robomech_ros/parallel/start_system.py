@@ -48,7 +48,7 @@ def _generic() -> tuple[ComplexArray, ComplexArray]:
 
 
 def unlike(poses: ComplexArray) -> bool:
-    """Say whether points (n, 8) of unit length are all different as points of P^7."""
+    """Return whether points (n, 8) of unit length are all different as points of P^7."""
     inner = poses @ poses.conj().T
     apart = poses[:, None, :] - inner[:, :, None] * poses[None, :, :]
     distances = np.linalg.norm(apart, axis=2) + np.eye(len(poses))

@@ -39,7 +39,7 @@ def plot_calibration(
     covariances : ndarray, shape (m, 6, 6)
         As stated with so many samples, in the same order.
     residuals : ndarray, shape (n, 2)
-        Of the samples at the end: rad and m.
+        Residuals of the samples at the end: rad and m.
     inlier : ndarray of bool, shape (n,)
         False for those that were left out.
     """

@@ -78,7 +78,7 @@ def plot_postures(
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     q : array_like, shape (k, n)
         The postures (rad or m), 1 to 64 of them.
     azimuth, elevation : float, optional

@@ -22,11 +22,11 @@ def plot_simulation(
     Parameters
     ----------
     chain : SerialChain
-        Of n joints; its limits are drawn dashed.
+        Chain of n joints; its limits are drawn dashed.
     run : Simulation
         Of this chain, at m times.
     torques : ndarray, shape (m, n)
-        Of the drives (N m or N).
+        Torques of the drives (N m or N).
 
     Raises
     ------

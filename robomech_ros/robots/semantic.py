@@ -141,7 +141,7 @@ class SemanticDescription(Printed):
         Parameters
         ----------
         chain : SerialChain
-            Of n joints.
+            Chain of n joints.
 
         Returns
         -------

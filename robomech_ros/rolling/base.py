@@ -56,7 +56,7 @@ class RollingBase:
     radii, driven_radii : ndarray
         Of all wheels and of the driven ones (m).
     axle : ndarray, shape (3,), or None
-        Of fixed wheels: its point nearest to the origin (m) and their heading (rad).
+        Axle of fixed wheels: its point nearest to the origin (m) and their heading (rad).
     curvatures : tuple of float
         Least and largest turn for each metre forward (rad/m) that steering allows; infinite where
         the base can turn on the spot.
@@ -264,7 +264,7 @@ class RollingBase:
         Parameters
         ----------
         rates : array_like, shape (..., k)
-            Of the driven wheels (rad/s).
+            Rates of the driven wheels (rad/s).
         steering : array_like, shape (..., s), optional
             Steering angles (rad).  Default 0.
 
@@ -299,7 +299,7 @@ class RollingBase:
         pose : array_like, shape (..., 3)
             x, y (m) and heading (rad) of the base in the frame of odometry.
         rates : array_like, shape (..., k)
-            Of the driven wheels (rad/s).
+            Rates of the driven wheels (rad/s).
         dt : float
             How long (s).
         steering : array_like, shape (..., s), optional

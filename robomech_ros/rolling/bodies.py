@@ -52,7 +52,7 @@ class WheelBody:
     Parameters
     ----------
     mass : float, optional
-        Of the wheel (kg).
+        Mass of the wheel (kg).
     spin, turn : float, optional
         Its inertia about its axle, with that of the motor, and about the vertical axis through its
         centre (kg m^2).
@@ -62,7 +62,7 @@ class WheelBody:
     bracket_centre : float, optional
         From the pivot back to the mass centre of the bracket (m).
     max_torque : float, optional
-        Of the motor, at the wheel (N m).  Default without a limit.
+        Max torque of the motor, at the wheel (N m).  Default without a limit.
     max_steering_torque : float, optional
         Of the motor that steers the wheel, at its pivot (N m).  Default without a limit.
     """

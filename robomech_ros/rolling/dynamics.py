@@ -56,7 +56,7 @@ class RollingDynamics:
     drives : ndarray, shape (k, m)
         The rates of the driven wheels for units of the twists ``free``, with steering angles of 0.
     max_torques : ndarray, shape (k + s,)
-        Of the motors (N m).
+        Max torques of the motors (N m).
 
     Raises
     ------
@@ -230,7 +230,7 @@ class RollingDynamics:
         twist, brackets, wrench : array_like
             As for :meth:`inverse`.
         torques : array_like, shape (k + s,)
-            Of the motors (N m).
+            Torques of the motors (N m).
         steering : SteeringMotion, optional
             Of the steered wheels.  Default at the angles of the twist, without rates.
 
@@ -295,7 +295,7 @@ class RollingDynamics:
         Parameters
         ----------
         torques : array_like, shape (k + s,)
-            Of the motors (N m).
+            Torques of the motors (N m).
 
         Returns
         -------

@@ -65,9 +65,9 @@ class CommandLimiter:
     ----------
     base : RollingBase
     limits : MotionLimits
-        Of the axes; those of wheels belong to the wheels.
+        Limits of the axes; those of wheels belong to the wheels.
     period : float
-        Of the commands (s).
+        Period of the commands (s).
 
     Notes
     -----

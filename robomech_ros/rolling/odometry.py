@@ -51,7 +51,7 @@ class Odometry:
     pose : ndarray, shape (3,)
         x, y (m) and heading (rad) in the frame of odometry.
     covariance : ndarray, shape (3, 3)
-        Of the pose (m^2, m rad, rad^2), in the frame of odometry.
+        Covariance of the pose (m^2, m rad, rad^2), in the frame of odometry.
     twist : ndarray, shape (3,)
         ``[omega, v_x, v_y]`` over the last step (rad/s, m/s), in the axes of the base.
     twist_covariance : ndarray, shape (3, 3)
@@ -101,7 +101,7 @@ def advance_odometry(
     odometry : Odometry
         Before the step.
     rates : array_like, shape (k,)
-        Of the driven wheels (rad/s).
+        Rates of the driven wheels (rad/s).
     dt : float
         How long the step takes (s).
     steering : array_like, shape (s,), optional

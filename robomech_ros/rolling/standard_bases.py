@@ -195,7 +195,7 @@ def ackermann(
     radius, wheelbase, track : float
         Of the wheels; from axle to axle; from the left wheels to the right ones (m).
     steering_limit : float, optional
-        Of each front wheel, to both sides (rad).
+        Steering limit of each front wheel, to both sides (rad).
     **options
         Of the driven wheels, such as ``max_rate``.
 
@@ -229,9 +229,9 @@ def swerve(radius: float, positions: ArrayLike, **options: Any) -> RollingBase:
     Parameters
     ----------
     radius : float
-        Of the wheels (m).
+        Radius of the wheels (m).
     positions : array_like, shape (n, 2)
-        Of two wheels or more (m).
+        Positions of two wheels or more (m).
     **options
         Of all wheels, such as ``max_rate`` and ``max_steering_rate``.
 

@@ -51,7 +51,7 @@ class WheelJoints:
     steering : tuple of str
         Of the steered wheels.
     brackets : tuple of str
-        Of the casters.
+        Brackets of the casters.
 
     Examples
     --------

@@ -36,7 +36,7 @@ class Wheel:
         ``"fixed"`` and ``"steered"`` are conventional wheels; a ``"caster"`` turns about a pivot
         beside its axle; an ``"omni"`` wheel has rollers, as mecanum and Swedish wheels do.
     position : array_like, shape (2,)
-        Of the wheel's centre, of a caster that of its pivot (m).
+        Position of the wheel's centre, of a caster that of its pivot (m).
     radius : float
         In m.
     heading : float

@@ -44,7 +44,7 @@ def view_calibration(
     robot : str or path
         As for :func:`~robomech_ros.rvs.view`.
     result : HandEyeResult
-        Of n samples.
+        Result of n samples.
     tracking : array_like, shape (n, 4, 4)
         ``T_sensor_target`` of the samples (m), which the result was found from.
     port, host : int, str, optional
@@ -100,7 +100,7 @@ def write_calibration(
     chain : SerialChain
         From the base to the hand of the samples.
     result : HandEyeResult
-        Of n samples.
+        Result of n samples.
     tracking : array_like, shape (n, 4, 4)
         ``T_sensor_target`` of the samples (m).
     title : str, optional

@@ -39,7 +39,7 @@ def view_equations(
     equations, bounds : callable, and array_like, shape (2, 2)
         As for :func:`~robomech_ros.numerics.bivariate`.
     names : sequence of two str, optional
-        Of the unknowns.
+        Names of the unknowns.
     unit : str, optional
         Of both; a turn in ``rad`` has its ticks at parts of pi.
     pair : tuple of int, optional

@@ -55,7 +55,7 @@ class Motion:
     Parameters
     ----------
     chain : SerialChain, Mechanism or RobotDescription
-        Of n joints; of a whole robot those are its ``joint_names``.
+        Chain of n joints; of a whole robot those are its ``joint_names``.
     times : ndarray, shape (m,)
         Increasing (s).
     q : ndarray, shape (m, n)

@@ -252,7 +252,7 @@ def write_motion(
         The file, as ``demo.html``.
     description : RobotDescription
     motion : Motion
-        Of one of its chains, or of all of it.
+        Motion of one of its chains, or of all of it.
     title : str, optional
         Above the page; default the name of the robot.
     trail : str, optional

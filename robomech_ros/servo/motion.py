@@ -58,7 +58,7 @@ class Motion:
     Parameters
     ----------
     limits : ServoLimits
-        Of the n joints.
+        Limits of the n joints.
     period : float
         Time between knots (s).
     position, velocity : ndarray, shape (n,)

@@ -111,7 +111,7 @@ class Stride:
         return float(np.sqrt(_FASTEST * max(lifted, aside)))
 
     def possible(self, robot: LeggedRobot, offsets: Sequence[Array]) -> TrunkPoseCheck:
-        """Say whether the trunk can be at all of some offsets with feet in their circles."""
+        """Return whether the trunk can be at all of some offsets with feet in their circles."""
         poses = [self.pose(offset) for offset in offsets]
         centres = [self._centre(pose)[:2] for pose in poses]
         away = np.array(centres) - self.level[9:11] - self.level[12:14]
@@ -156,7 +156,7 @@ def _sways(robot: LeggedRobot, places: Array) -> Array:
 
 
 def reachable(robot: LeggedRobot, geometry: Array, settings: Array, pose: Array) -> TrunkPoseCheck:
-    """Say whether all legs reach all of their circles, on the ground and lifted."""
+    """Return whether all legs reach all of their circles, on the ground and lifted."""
     radius = float(settings[3])
     sway = np.hypot(*geometry[:, 3:5].T).max()
     turn, place = pose[:9].reshape(3, 3), pose[9:12]

@@ -376,7 +376,7 @@ class Walker:
         return np.inf if lost >= 0 or seen.report[3] > 1e-9 else float(seen.report[1])
 
     def _at_rest(self) -> bool:
-        """Tell whether all feet stand at their places and the trunk does not sway."""
+        """Return whether all feet stand at their places and the trunk does not sway."""
         body, feet, _ = self._state
         if feet[:, 7].any() or body[4] != 0.0 or body[5] != 0.0:
             return False

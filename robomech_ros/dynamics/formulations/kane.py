@@ -48,7 +48,7 @@ def partial_velocities(chain: SerialChain, q: ArrayLike) -> PartialVelocities:
     Parameters
     ----------
     chain : SerialChain
-        Of m joints moved by n drives, with the inertia of all its bodies.
+        Chain of m joints moved by n drives, with the inertia of all its bodies.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m).
 

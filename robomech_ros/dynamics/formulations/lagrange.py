@@ -37,7 +37,7 @@ def mass_matrix_gradient(chain: SerialChain, q: ArrayLike) -> Array:
     Parameters
     ----------
     chain : SerialChain
-        Of n joints, with the inertia of all its bodies.
+        Chain of n joints, with the inertia of all its bodies.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m).
 

@@ -63,7 +63,7 @@ def newton_euler(
     Parameters
     ----------
     chain : SerialChain
-        Of m joints moved by n drives, with the inertia of all its bodies.
+        Chain of m joints moved by n drives, with the inertia of all its bodies.
     q, qd, qdd : array_like, shape (n,) or (..., n)
         Joint values, rates and accelerations (rad or m; per s, per s^2).
     gravity : array_like, shape (3,), optional

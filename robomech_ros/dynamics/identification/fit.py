@@ -52,7 +52,7 @@ class Identification:
     values : ndarray, shape (r + 2 n,)
         Base parameters, then the viscous and the Coulomb friction of the joints (SI units).
     covariance : ndarray, shape (r + 2 n, r + 2 n)
-        Of the values.
+        Covariance of the values.
     condition : float
         Condition number of the regressor, weighted, with columns of unit length.
     deviations : ndarray, shape (n,)
@@ -119,7 +119,7 @@ def identify(
     Parameters
     ----------
     chain : SerialChain
-        Of n joints; its rotors are taken as known, its bodies are not needed.
+        Chain of n joints; its rotors are taken as known, its bodies are not needed.
     q, qd, qdd : array_like, shape (m, n)
         Joint values, rates and accelerations (rad or m; per s, per s^2).
     tau : array_like, shape (m, n)

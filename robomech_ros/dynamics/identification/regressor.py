@@ -109,7 +109,7 @@ def base_parameters(chain: SerialChain, *, gravity: ArrayLike = GRAVITY) -> Base
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     gravity : array_like, shape (3,), optional
         In the axes of the base (m/s^2).
 

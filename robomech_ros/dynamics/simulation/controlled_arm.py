@@ -91,7 +91,7 @@ class ControlledArm:
     observer : float, optional
         Rate at which torques that the model does not explain are learned, in rad/s; 0 = not at all.
     period : float, optional
-        Of the controller (s).
+        Period of the controller (s).
     substeps : int, optional
         Steps of the robot in each period.
     gravity : array_like, shape (3,), optional
@@ -177,7 +177,7 @@ class ControlledArm:
         wanted : array_like, shape (k, 3, m)
             Values, rates and accelerations of the drives at the beginning of each period.
         period : float, optional
-            Of the controller in this run (s); default its own.
+            Period of the controller in this run (s); default its own.
         held : array_like of bool, shape (m,), optional
             Drives that brakes hold where they are.
         observed : ndarray of float64, shape (m,), optional

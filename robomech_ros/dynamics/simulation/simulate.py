@@ -102,7 +102,7 @@ def simulate(
     qd0 : array_like, shape (m,)
         Rates of the drives (rad/s or m/s) at the start.
     torque : array_like of shape (m,), callable, or None
-        Of the drives (N m or N): constant, ``torque(t, q, qd)`` with all joints, or none.
+        Torque of the drives (N m or N): constant, ``torque(t, q, qd)`` with all joints, or none.
     duration : float
         In s, up to 1e6; no more than 200,000 steps are done.
     gravity, tip_wrench

@@ -183,7 +183,7 @@ def symbolic_model(
     Parameters
     ----------
     chain : SerialChain
-        Of at least one joint.
+        Chain of at least one joint.
     gravity : array_like, shape (3,)
         In the base (m/s^2).  Along an axis of the first frame it is called g, else g_x, g_y, g_z.
     parameters : {"names", "numbers"}

@@ -223,7 +223,7 @@ def symbolic_closure(chain: SerialChain, *, parameters: str = "names") -> Symbol
     Parameters
     ----------
     chain : SerialChain
-        Of six revolute joints.
+        Chain of six revolute joints.
     parameters : {"names", "numbers"}, optional
         As for `symbolic_decoupled`.
 

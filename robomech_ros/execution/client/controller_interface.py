@@ -32,7 +32,7 @@ class ControllerInterface(Protocol):
         """Ask the controller to give up a delivery sent by action."""
 
     def runs_before(self, delivery: ExecutionRequest) -> bool:
-        """Say whether the controller still executes what was sent before of this delivery."""
+        """Return whether the controller still executes what was sent before of this delivery."""
 
     def positions(self, names: Sequence[str]) -> Array | None:
         """Return the present positions, rad or m; None if not known."""

@@ -20,7 +20,7 @@ class Contact:
     Attributes
     ----------
     position : ndarray, shape (n,)
-        Of the n joints there, rad or m; NaN for a joint that it does not stop.
+        Position of the n joints there, rad or m; NaN for a joint that it does not stop.
     closing : ndarray, shape (n,)
         1 where a joint closes as its position grows, -1 where it opens.
     """

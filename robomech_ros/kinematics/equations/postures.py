@@ -114,7 +114,7 @@ def posture_of(
 
 
 def same_posture(equations: ClosureEquations, q: Numbers, p: Numbers) -> bool:
-    """Tell whether two ends of a refinement are one posture, if need be a singular one."""
+    """Return whether two ends of a refinement are one posture, if need be a singular one."""
     difference = q - p
     difference = (difference.real + np.pi) % (2.0 * np.pi) - np.pi + 1j * np.imag(difference)
     away = float(np.abs(difference).max())

@@ -119,7 +119,7 @@ def raghavan_roth(chain: SerialChain, T: ArrayLike, *, first: int | None = None)
     Parameters
     ----------
     chain : SerialChain
-        Of six revolute joints.
+        Chain of six revolute joints.
     T : array_like, shape (4, 4)
         Target pose of the tip in the base (m).
     first : int, optional

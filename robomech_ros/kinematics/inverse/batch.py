@@ -34,7 +34,7 @@ def inverse_kinematics_batch(
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     T : array_like, shape (m, 4, 4)
         Wanted ``T_base_tip`` (m).
     seed, respect_limits, metric, max_solutions

@@ -73,7 +73,7 @@ def inverse_kinematics(
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     T : array_like, shape (4, 4)
         Wanted ``T_base_tip`` (m); a rotation off by rounding is made orthogonal.
     seed : array_like, shape (n,), optional

@@ -50,7 +50,7 @@ def optimal_posture(
     Parameters
     ----------
     chain : SerialChain
-        Of seven joints.
+        Chain of seven joints.
     T : array_like, shape (4, 4)
         ``T_base_tip`` (m).
     criterion : {"limit_margin", "manipulability"}, optional

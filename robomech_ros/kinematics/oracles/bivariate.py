@@ -148,7 +148,7 @@ def _first_steps(equations: ClosureEquations, starts: Array) -> Array:
 
 
 def _is_one(equations: ClosureEquations, x: Array, known: Array) -> bool:
-    """Tell whether three angles are those of a singular posture that is known."""
+    """Return whether three angles are those of a singular posture that is known."""
     away = (x - known + np.pi) % (2.0 * np.pi) - np.pi
     if np.abs(away).max() > ONE_POSTURE:
         return False

@@ -166,7 +166,7 @@ def reach_map(
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     lower, upper : array_like, shape (3,)
         Corners of a box in the base (m); the first point is ``lower``.
     spacing : float or array_like, shape (3,), optional

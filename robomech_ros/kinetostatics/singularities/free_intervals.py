@@ -79,7 +79,7 @@ def singularity_free(
     Parameters
     ----------
     chain : SerialChain
-        Of one joint to eight.
+        Chain of one joint to eight.
     lower, upper : array_like, shape (n,), optional
         Ends of the intervals (rad or m), slides' finite; default the position limits.  Angles
         without a limit are all examined.
@@ -210,7 +210,7 @@ class _Search:
         return float((spans / size).max(initial=0.0))
 
     def _regular(self, box: _Box, centre: Array) -> bool:
-        """Tell whether the combination of minors that is largest in the middle has one sign."""
+        """Return whether the combination of minors that is largest in the middle has one sign."""
         here = self.minors.at(centre)
         norm = float(np.linalg.norm(here))
         if norm == 0.0:

@@ -45,7 +45,7 @@ class SingularityReport(Printed):
         directions than singular values in every posture, such as a planar one of four joints, of
         those that it has.
     condition_number : float
-        Of the Jacobian in SI units; infinite where singular.
+        Condition number of the Jacobian in SI units; infinite where singular.
     normalised_condition_number : float
         Largest over least of ``singular_values`` that the arm has; infinite where singular.
     lost_directions : ndarray, shape (r, 6)
@@ -153,11 +153,11 @@ def singularity_report(
     Parameters
     ----------
     chain : SerialChain
-        Of one joint or more.
+        Chain of one joint or more.
     q : array_like, shape (n,) or (..., n)
         Joint values (rad or m); a batch runs inside one compiled loop.
     point : array_like, shape (3,), optional
-        Of the tip link, in its frame (m), whose motion is judged; default the tip's origin.
+        Point of the tip link, in its frame (m), whose motion is judged; default the tip's origin.
     length : float, optional
         What makes linear and angular motions comparable (m); default the characteristic length,
         which takes a second or so to find and is kept, or the size of an arm that has none.

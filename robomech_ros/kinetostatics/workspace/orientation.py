@@ -66,9 +66,9 @@ def orientation_workspace(
     Parameters
     ----------
     chain : SerialChain
-        Of six joints or more, as those of fewer take single orientations.
+        Chain of six joints or more, as those of fewer take single orientations.
     position : array_like, shape (3,)
-        Of the tip in the base (m).
+        Position of the tip in the base (m).
     samples : int, optional
         From 1 to 1,000,000.
     respect_limits : bool, optional

@@ -239,7 +239,7 @@ class _Branch:
 
 
 def _lies_on(points: Array, line: Array, near: float) -> bool:
-    """Tell whether points (k, 3) are on a polyline (m, 3)."""
+    """Return whether points (k, 3) are on a polyline (m, 3)."""
     start, along = line[:-1], np.diff(line, axis=0)
     square = np.maximum((along**2).sum(axis=1), 1e-300)
     for point in points[:: max(1, len(points) // _LOOKED_AT)]:

@@ -31,7 +31,7 @@ def reach_limits(chain: SerialChain) -> tuple[float, float]:
     Parameters
     ----------
     chain : SerialChain
-        Of one joint or more.
+        Chain of one joint or more.
 
     Returns
     -------

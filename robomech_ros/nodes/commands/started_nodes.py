@@ -96,7 +96,7 @@ def _descriptions(node: Node) -> list[tuple[Node, str, str]]:
 
 
 def _shares_frames(node: Node) -> bool:
-    """Tell whether a node publishes those frames that nobody else does."""
+    """Return whether a node publishes those frames that nobody else does."""
     return _value(node, "publish_frames") == AUTO and _value(node, "enable_odom_tf") is not False
 
 

@@ -72,13 +72,13 @@ class LivelinessMonitor:
         return next((each for each in reversed(self._lives) if self._lives[each]), None)
 
     def has_successor(self, server: bytes | None) -> bool:
-        """Say whether a server has died and another one lives; False where it is not known."""
+        """Return whether a server has died and another one lives; False where it is not known."""
         if server is None or self._lives.get(server, True):
             return False
         return bool(self._living() - {server})
 
     def reads(self, topic: str, *, no_mangle: bool = False) -> bool:
-        """Say whether a server that lives subscribes to a topic; True where that is not known.
+        """Return whether a server that lives subscribes to a topic; True where that is not known.
 
         The subscriptions of a killed one stay in the graph, and what is sent to them is lost.
 

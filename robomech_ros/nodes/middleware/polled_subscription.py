@@ -24,7 +24,7 @@ class ManualSubscription(CallbackGroup):
         self.attended = attended  #: Whether the executor still takes care of it.
 
     def can_execute(self, entity: Any) -> bool:
-        """Say whether the executor may call back."""
+        """Return whether the executor may call back."""
         return self.attended
 
     def beginning_execution(self, entity: Any) -> bool:

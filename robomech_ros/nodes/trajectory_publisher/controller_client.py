@@ -109,7 +109,7 @@ class ControllerClient:
         self._action.send(execution, message, lambda: self._left(start, execution.names))
 
     def runs_before(self, execution: ExecutionRequest) -> bool:
-        """Say whether the controller still executes a goal before the last one."""
+        """Return whether the controller still executes a goal before the last one."""
         return self._action.runs
 
     def cancel(self, execution: ExecutionRequest) -> None:

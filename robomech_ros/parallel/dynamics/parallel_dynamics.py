@@ -194,7 +194,7 @@ class ParallelDynamics:
         q, rates, gravity, tip_wrench
             As for :meth:`inverse`.
         efforts : array_like, shape (m,) or (..., m)
-            Of the drives, friction taken off (N m or N).
+            Efforts of the drives, friction taken off (N m or N).
 
         Returns
         -------

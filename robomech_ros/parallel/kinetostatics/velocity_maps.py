@@ -174,7 +174,7 @@ def platform_twist(
     robot, T, q
         As for :func:`velocity_matrices`.
     rates : array_like, shape (..., m)
-        Of the drives (m/s or rad/s).
+        Rates of the drives (m/s or rad/s).
 
     Returns
     -------
@@ -239,7 +239,7 @@ def platform_acceleration(
     robot, T, rates, q
         As for :func:`platform_twist`.
     accelerations : array_like, shape (..., m)
-        Of the drives (m/s^2 or rad/s^2).
+        Accelerations of the drives (m/s^2 or rad/s^2).
 
     Returns
     -------

@@ -64,7 +64,7 @@ def follow_drives(
     Parameters
     ----------
     mechanism : Mechanism
-        Of n joints and m drives.
+        Mechanism of n joints and m drives.
     drives : array_like, shape (k, m)
         Positions of the drives (rad or m), one point after the other.
     start : array_like, shape (n,)

@@ -32,14 +32,14 @@ class MechanismPathModel:
     Parameters
     ----------
     mechanism : Mechanism
-        Of n joints.
+        Mechanism of n joints.
     limits : JointLimits, optional
-        Of all n joints; default those of the mechanism.
+        Limits of all n joints; default those of the mechanism.
 
     Attributes
     ----------
     limits : Limits
-        Of all its joints, rad or m.
+        Limits of all its joints, rad or m.
     timed : tuple of int
         Numbers of the joints whose motion over time is planned.
     """

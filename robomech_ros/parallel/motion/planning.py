@@ -94,9 +94,9 @@ def plan_platform(
     Parameters
     ----------
     mechanism : Mechanism
-        Of n joints.
+        Mechanism of n joints.
     path : PosePath
-        Of the platform in the base, such as `waypoint_path` makes it.
+        Path of the platform in the base, such as `waypoint_path` makes it.
     start : array_like, shape (n,)
         All joints (rad or m), loops closed, at the start of the path.
     task_mask : sequence of six bool, optional
@@ -105,7 +105,7 @@ def plan_platform(
         As for `plan_along`.  No platform passes a singularity, where the drives do not hold it: a
         condition number of 1e3 always ends the path.
     limits : JointLimits, optional
-        Of all n joints, within which to move; default those of the mechanism.
+        Limits of all n joints, within which to move; default those of the mechanism.
     profile, speeds, sampling
         As for `plan_along`.
 
@@ -223,13 +223,13 @@ def plan_drives(
     Parameters
     ----------
     mechanism : Mechanism
-        Of n joints and m drives.
+        Mechanism of n joints and m drives.
     points : array_like, shape (k, m)
         Start, via points and goal of the drives (rad or m).
     start : array_like, shape (n,)
         All joints (rad or m) at the first point, loops closed: they say which assembly mode.
     limits : JointLimits, optional
-        Of all n joints; default those of the mechanism.
+        Limits of all n joints; default those of the mechanism.
     profile : str
         One of `robomech_ros.trajectory.PROFILES`, or with via points of `VIA_PROFILES`.
     condition : float, optional

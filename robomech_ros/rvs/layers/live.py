@@ -218,7 +218,7 @@ class LiveLayer(LivePage):
             self._markers.show(source, markers)
 
     def show_waiting(self, waiting: bool) -> None:
-        """Say whether plans wait to be executed on request."""
+        """Return whether plans wait to be executed on request."""
         self._waiting = waiting
         box = self._wait_box
         if self.is_open and box is not None and box.value != waiting:

@@ -158,7 +158,7 @@ class KnownBrowsers:
         self._numbers: set[int] = set()
 
     def is_new(self, client: Any) -> bool:
-        """Say whether a browser (viser.ClientHandle) commands for the first time."""
+        """Return whether a browser (viser.ClientHandle) commands for the first time."""
         if client.client_id in self._numbers:
             return False
         self._numbers.add(client.client_id)

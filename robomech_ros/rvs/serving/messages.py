@@ -56,7 +56,7 @@ _DECODER = Decoder(Union[_MESSAGES])  # noqa: UP007
 
 
 def is_acceptable(raw: object) -> bool:
-    """Say whether a message is one that a page sends, all its numbers finite.
+    """Return whether a message is one that a page sends, all its numbers finite.
 
     - ``raw``: message from the connection: text, or bytes in msgpack.
     """

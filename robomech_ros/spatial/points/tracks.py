@@ -92,7 +92,7 @@ def motion_from_tracks(
     window : int, optional
         Number of samples that a polynomial is fitted to; fewer than n are there use all.
     degree : int, optional
-        Of the polynomial, from 2 to 12 and less than the window.
+        Degree of the polynomial, from 2 to 12 and less than the window.
     deviation : float, optional
         Standard deviation of the noise of a coordinate (m); default as the samples scatter.
     tolerance : float, optional

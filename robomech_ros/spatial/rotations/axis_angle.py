@@ -97,7 +97,7 @@ def matrix_from_rotation_vector(vector: ArrayLike) -> Array:
     Parameters
     ----------
     vector : array_like, shape (..., 3)
-        Of any length, zero included (rad).
+        Vector of any length, zero included (rad).
 
     Returns
     -------
@@ -129,7 +129,7 @@ def quaternion_from_rotation_vector(vector: ArrayLike) -> Array:
     Parameters
     ----------
     vector : array_like, shape (..., 3)
-        Of any length, zero included (rad).
+        Vector of any length, zero included (rad).
 
     Returns
     -------

@@ -38,7 +38,7 @@ def rotation_rates(
     representation : str
         As for :func:`convert_rotation`.
     angular_velocity : array_like, shape (3,) or (..., 3)
-        Of the body, in the fixed frame (rad/s).
+        Angular velocity of the body, in the fixed frame (rad/s).
     angular_acceleration : array_like, shape (3,) or (..., 3), optional
         In the fixed frame (rad/s^2); without it, zero.
 

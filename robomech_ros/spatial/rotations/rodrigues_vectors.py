@@ -38,7 +38,7 @@ def matrix_from_rodrigues_vector(vector: ArrayLike) -> Array:
     Parameters
     ----------
     vector : array_like, shape (..., 3)
-        Of any finite length.
+        Vector of any finite length.
 
     Returns
     -------
@@ -75,7 +75,7 @@ def quaternion_from_rodrigues_vector(vector: ArrayLike) -> Array:
     Parameters
     ----------
     vector : array_like, shape (..., 3)
-        Of any finite length.
+        Vector of any finite length.
 
     Returns
     -------

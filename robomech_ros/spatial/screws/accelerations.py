@@ -62,7 +62,7 @@ def point_acceleration(
     point, reference : array_like, shape (..., 3)
         The points p and a of the body (m).
     acceleration : array_like, shape (..., 3)
-        Of the reference (m/s^2).
+        Acceleration of the reference (m/s^2).
     angular_velocity, angular_acceleration : array_like, shape (..., 3)
         rad/s, rad/s^2.
 
@@ -107,7 +107,7 @@ def acceleration_pole(
     reference : array_like, shape (..., 3)
         A point of the body (m).
     acceleration : array_like, shape (..., 3)
-        Of the reference (m/s^2).
+        Acceleration of the reference (m/s^2).
     angular_velocity, angular_acceleration : array_like, shape (..., 3)
         rad/s, rad/s^2.
 

@@ -57,7 +57,7 @@ def line_through(point: ArrayLike, direction: ArrayLike) -> Array:
     point : array_like, shape (..., 3)
         Any point p of it (m).
     direction : array_like, shape (..., 3)
-        Of any length but zero.
+        Direction of any length but zero.
 
     Returns
     -------

@@ -183,7 +183,7 @@ def moments(matrix: ArrayLike) -> Array:
 
 
 def same_in_two_frames(first: ArrayLike, second: ArrayLike, tolerance: float = _SAME) -> BoolArray:
-    """Say whether two matrices can be the same one, seen in two frames.
+    """Return whether two matrices can be the same one, seen in two frames.
 
     Their moments are compared.  Symmetric matrices with the same moments are the same up to the
     frame; of others the symmetric and the skew parts are compared, too, by the moments of

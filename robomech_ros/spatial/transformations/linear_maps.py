@@ -132,7 +132,7 @@ def projection_on_plane(normal: ArrayLike) -> Array:
     Parameters
     ----------
     normal : array_like, shape (..., 3)
-        Of any length but zero.
+        Normal of any length but zero.
 
     Returns
     -------

@@ -23,7 +23,7 @@ def reflection(normal: ArrayLike) -> Array:
     Parameters
     ----------
     normal : array_like, shape (..., 3)
-        Of the plane, of any length but zero.
+        Normal of the plane, of any length but zero.
 
     Returns
     -------

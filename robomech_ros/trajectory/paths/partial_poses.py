@@ -34,7 +34,7 @@ _POSTURES, _RANK = 3, 1e-9
 
 
 def is_partial(arm: Tracked | None) -> TypeGuard[SerialArm]:
-    """Say whether an arm holds only some components of the poses of a path."""
+    """Return whether an arm holds only some components of the poses of a path."""
     return isinstance(arm, SerialArm) and arm.held is not None
 
 

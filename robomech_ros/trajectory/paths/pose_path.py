@@ -52,7 +52,7 @@ class PosePath:
     Attributes
     ----------
     curve : Curve
-        Of the tool's origin, over a parameter.
+        Curve of the tool's origin, over a parameter.
     orientation : Orientation
         Over the same parameter.
     radius : float
@@ -127,7 +127,7 @@ def pose_path(curve: Curve, orientation: Orientation, *, radius: float = 0.0) ->
     Parameters
     ----------
     curve : Curve
-        Of the tool's origin in the base frame (m).
+        Curve of the tool's origin in the base frame (m).
     orientation : Orientation
         ``R_base_tool`` over the curve's parameter: a constant one, one by geodesics, one by a
         spline or one by the curve's Frenet frame.

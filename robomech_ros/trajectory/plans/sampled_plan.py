@@ -61,7 +61,7 @@ class SampledPlan(Printed):
     waypoints : Waypoints
         Its samples, as a trajectory message takes them.
     verification : Verification
-        Of the curve that a controller interpolates through the samples; always `ok`.
+        Verification of the curve that a controller interpolates through the samples; always `ok`.
     """
 
     trajectory: PiecewiseTrajectory

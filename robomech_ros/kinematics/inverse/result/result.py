@@ -89,7 +89,7 @@ class InverseKinematicsResult(Printed):
     Parameters
     ----------
     chain : SerialChain
-        Of n joints.
+        Chain of n joints.
     q : ndarray, shape (k, n)
         Joint values (rad or m).
     findings : Findings
