@@ -8,7 +8,7 @@ _TURN = 2.0 * math.pi
 _TURN_AND_HALF = 3.0 * math.pi
 # Tangent of pi / 8.
 _TANGENT = math.sqrt(2.0) - 1.0
-# What the doubles next to pi / 4, pi / 2 and pi leave of them.
+# Differences of pi / 4, pi / 2 and pi from their nearest doubles.
 _REST_4 = 3.061616997868383e-17
 _REST_2 = 6.123233995736766e-17
 _REST = 1.2246467991473532e-16
@@ -16,7 +16,7 @@ _REST = 1.2246467991473532e-16
 
 @lean
 def wrapped(angle):
-    """Return the same angle in (-pi, pi], unchanged where it is there already."""
+    """Wrap an angle to (-pi, pi]; one in that range is unchanged."""
     if abs(angle) >= _TURN_AND_HALF:
         angle -= _TURN * math.ceil(angle / _TURN - 0.5)
     turned = angle - _TURN if angle > math.pi else angle

@@ -20,7 +20,7 @@ _INVERSE_BINOMIALS = np.array(
 
 @inline
 def to_bernstein(values, degree):
-    """Turn power coefficients on [0, 1] into Bernstein coefficients, in place."""
+    """Convert power coefficients on [0, 1] to Bernstein coefficients, in place."""
     for k in range(1, degree):
         values[k] *= _INVERSE_BINOMIALS[degree, k]
     for r in range(1, degree + 1):

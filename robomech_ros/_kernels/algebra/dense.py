@@ -46,7 +46,7 @@ def _backwards(A, b, n):
 
 @lean
 def cholesky_again(A, b, n):
-    """Solve once more with the factor that :func:`cholesky_solve` has left in A."""
+    """Solve with the factor that :func:`cholesky_solve` left in A."""
     for j in range(n):
         value = b[j]
         for k in range(j):

@@ -11,7 +11,7 @@ from robomech_ros._kernels.compiling.types import OUT2, f8, i8
 # A polynomial's extremum, or a discriminant, this small (relative) is rounding: a double root.
 # The two roots it merges lie within its square root of each other.
 DOUBLE_ROOT = 1e-14
-# Coefficients this small where the largest is of order one are rounding: the equation is void.
+# Rounding of coefficients of order one: if all are smaller, the equation is void.
 VANISHING = 1e-12
 
 _HALF = math.sqrt(0.5)
@@ -102,7 +102,7 @@ def _newton_on_cubic(t, a, b, c):
 
 @lean
 def cubic_knots(a, b, c):
-    """Give, in order, the real parts of the roots of t^3 + a t^2 + b t + c."""
+    """Return, in order, the real parts of the roots of t^3 + a t^2 + b t + c."""
     shift = -a / 3.0
     p = b - a * a / 3.0
     q = (2.0 * a * a / 27.0 - b / 3.0) * a + c

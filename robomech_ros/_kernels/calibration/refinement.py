@@ -14,7 +14,7 @@ from robomech_ros._kernels.compiling.jit import inline, kernel, lean, scratch
 from robomech_ros._kernels.compiling.types import IN2, OUT1, OUT2, OUT3, b1, i8
 from robomech_ros._kernels.spatial.vectors import dot
 
-# Least variance (rad^2, m^2): samples without noise would else have weights without bound.
+# Least variance (rad^2, m^2): without noise, weights would be unbounded.
 _LEAST = 1e-26
 _STEPS = 30
 _ROUNDS = 25
@@ -39,7 +39,7 @@ def distances(A, S, at, noise, inverted, out):
 
 @lean
 def _hold(at, free, M, g):
-    """Take the free direction out of the normal equations, and put what is known of it there.
+    """Replace the free direction of the normal equations by the knowledge about it.
 
     Along the axis free[:3] of X's parent, free[3:6] of Z's, both positions move together: free[6]
     is the weight of staying where they are; with a small one equations could not be solved.
@@ -102,7 +102,7 @@ def _settle(samples, at, noise, free, inverted, M, g, sums):
 
 @inline
 def _inverted(M, C):
-    """Write the inverse of M, lower triangle; give the logarithm of its determinant, or NaN."""
+    """Write the inverse of M, lower triangle; return the logarithm of its determinant, or NaN."""
     F, e = scratch(12, 12), scratch(12)
     F[:] = M
     e[:] = 0.0
@@ -123,7 +123,7 @@ def _inverted(M, C):
 
 @inline
 def _fit(samples, at, noise, free, inverted, known, rounds, M, C):
-    """Settle, and estimate the two variances by the redundancy of their residuals, in turn."""
+    """Alternate between the estimate and the two variances by the redundancy of residuals."""
     g, sums = scratch(12), scratch(13)
     determinant = 0.0
     for _ in range(rounds):
@@ -189,7 +189,7 @@ def _shared(samples, at, noise, free, inverted, M, C):
 def refine(A, S, use, at, noise, free, inverted, known, shared, information):
     """Refine X and Z (24) and the noise (3) in place; write the information (12, 12).
 
-    Where the robot's share gains less than it costs it is nought.  For free (7) see `_hold`.
+    If the robot's share gains less than it costs, it is 0.  For free (7) see `_hold`.
     """
     M, C = scratch(12, 12), scratch(12, 12)
     if shared and not known:

@@ -41,7 +41,7 @@ def _back(a, i, v):
 
 @lean
 def _predicted(A, at, P):
-    """Write the sensor's rotation P that the unknowns predict; give position and R_X^T d."""
+    """Write the predicted rotation P of the sensor; return its position and R_X^T d."""
     for j in range(3):
         column = _back(at, 0, _back(A, 0, (at[12 + j], at[15 + j], at[18 + j])))
         P[0, j], P[1, j], P[2, j] = column
@@ -85,7 +85,7 @@ def _whiten(v, lever, square, along, across):
 
 @lean
 def whitened(turn, shift, lever, noise):
-    """Return the position error, given that of the rotation, in deviations, and what scales it.
+    """Return the position error for a rotation error, in deviations, and its scale.
 
     These are the lever's square, the variance across it, and the weights along and across it.
     """

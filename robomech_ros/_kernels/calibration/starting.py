@@ -1,4 +1,4 @@
-"""A start without iteration, the errors of samples there, and how far they turn."""
+"""Initial guess without iteration, the errors of samples there, and their rotations."""
 
 import math
 
@@ -30,7 +30,7 @@ def _reweigh(A, S, at, weight):
 def linear_positions(A, S, weight, rounds, at):
     """Find the positions of X and Z for their rotations: least sums of distances.
 
-    Weights of least squares are made the inverse distances, round by round, from those given.
+    Each round sets the weights of least squares to the inverse distances, from the given ones.
     """
     M, b, right = scratch(6, 6), scratch(6), scratch(3)
     for k in range(rounds):
@@ -63,7 +63,7 @@ def linear_positions(A, S, weight, rounds, at):
 
 @inline
 def _make_rotation(W, at, first, either):
-    """Replace the matrix in nine entries, or either it or its opposite, by the nearest rotation."""
+    """Replace the matrix in nine entries, or its better sign, by the nearest rotation."""
     W[:] = 0.0
     for j in range(3):
         W[j, 3 + j] = 1.0
@@ -121,7 +121,7 @@ def make_rotations(square, at):
 
 @kernel(i8(IN2, IN2, IN1, OUT1, OUT2))
 def common_turns(A, S, use, at, out):
-    """Write how the samples turn, as both sides see it, (3, 3) in X's parent.
+    """Write the rotation moments of the samples from both sides, (3, 3) in X's parent.
 
     Its product with a vector from both sides is the mean of p_i q_i: the moves of a point there as
     the robot's rotations have it, and as the sensor's do.
@@ -133,7 +133,7 @@ def common_turns(A, S, use, at, out):
         if not use[i] > 0.0:
             continue
         count += 1.0
-        # Rows of the robot's rotation as the sensor has it, R_Z R_S^T R_X^T.
+        # Rows of the robot's rotation from the sensor's, R_Z R_S^T R_X^T.
         for j in range(3):
             for k in range(3):
                 P[j, k] = 0.0

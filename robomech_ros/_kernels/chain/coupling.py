@@ -1,4 +1,4 @@
-"""Chains on which joints follow others: from the n drives to the m joints, and back.
+"""Chains with joints that follow others: from the n drives to the m joints, and back.
 
 The rows of their arrays are those of :mod:`.layout`; others are left as they are.
 """
@@ -9,7 +9,7 @@ from robomech_ros._kernels.compiling.jit import lean
 
 @lean
 def is_coupled(packed):
-    """Tell whether joints of a chain follow others."""
+    """Return whether joints of a chain follow others."""
     width = packed.shape[1]
     return width != PACKED_WIDTH and width != MODEL_WIDTH
 
@@ -23,7 +23,7 @@ def drive_count(packed):
 
 @lean
 def drive_kind(packed, i):
-    """Return what the value of drive i is: TURN, SLIDE or ANGLE."""
+    """Return the kind of the value of drive i: TURN, SLIDE or ANGLE."""
     return packed[i, packed.shape[1] - 1] if is_coupled(packed) else packed[i, 0]
 
 
@@ -39,7 +39,7 @@ def expand(packed, drives, shifted, out):
 
 @lean
 def collect(packed, joints, out):
-    """Add up what the joints (m,) take, by their gains, for the drives (n,)."""
+    """Add the efforts of the joints (m,), by their gains, to those of the drives (n,)."""
     at = packed.shape[1] - COUPLING_WIDTH
     for k in range(drive_count(packed)):
         out[k] = 0.0

@@ -1,4 +1,4 @@
-"""How the Jacobian changes with the joints.
+"""Derivatives of the Jacobian by the joints.
 
 With columns [a; m], angular part first (a = 0 for a prismatic joint), joint k turns those from its
 own on with its link, and carries the tip for those before it:
@@ -68,7 +68,7 @@ def _coupled_gradient(packed, q, G, out):
 
 @lean
 def chain_gradient(packed, q, J, G, out):
-    """Write what :func:`gradient_body` does, of a chain at q (n,) with the Jacobian J (6, n)."""
+    """Write the result of :func:`gradient_body` for a chain at q (n,) with Jacobian J (6, n)."""
     if is_coupled(packed):
         _coupled_gradient(packed, q, G, out)
     else:

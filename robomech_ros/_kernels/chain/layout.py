@@ -1,4 +1,4 @@
-"""How long the rows of a packed chain are, and what they say of joints that follow others.
+"""Length of the rows of a packed chain, and their coupling of joints that follow others.
 
 Joint i of such a chain stands at ``gain q[drive] + offset``.  Its row ends with COUPLING_WIDTH more
 numbers than that of a plain chain: the index of the drive, gain and offset; and, of drive i, what
@@ -10,7 +10,7 @@ last row has the number n of drives in the place of the index.
 PACKED_WIDTH = 13
 MODEL_WIDTH = 24
 COUPLING_WIDTH = 4
-# The numbers of all joints stand on the stack, of which a thread may have half a megabyte.
+# The numbers of all joints stand on the stack; a thread may have half a megabyte.
 MOST_JOINTS = 100
 
 TURN = 0.0

@@ -81,7 +81,7 @@ def _by_joints(packed, weights, J, r, g, H):
 
 @inline
 def _hold(bounds, q, g, scale, A, b, n):
-    """Leave joints where they are that stand at a limit and would go beyond it."""
+    """Hold joints that are at a limit and would go beyond it."""
     for i in range(n):
         if (q[i] <= bounds[0, i] and g[i] > 0.0) or (q[i] >= bounds[1, i] and g[i] < 0.0):
             b[i], A[i, i] = 0.0, scale
@@ -113,7 +113,7 @@ def _descend(packed, wanted, bounds, q, bench, iterations):
         slope = 0.0
         for i in range(n):
             scale = max(scale, abs(H[i, i]))
-            # Inside the limits: where the way down ends after a step of that length.
+            # Inside the limits: the end of the descent after a step of that length.
             there = min(max(q[i] - g[i], bounds[0, i]), bounds[1, i])
             slope = max(slope, min(abs(g[i]), abs(there - q[i])))
         if slope < 1e-13 * scale:
@@ -127,7 +127,7 @@ def _descend(packed, wanted, bounds, q, bench, iterations):
         if not cholesky_solve(A, b, n):
             damping = max(4.0 * damping, 1e-3)
             continue
-        # A radian at most; the way of a slide is linear, however long.
+        # At most a radian; the motion of a slide is linear at any length.
         longest = 0.0
         for i in range(n):
             if drive_kind(packed, i) != SLIDE:

@@ -6,7 +6,7 @@ A chain is the constant transforms C_0 .. C_n between its joints, one row each o
 ``C_0 J_1(q_1) C_1 J_2(q_2) ... J_n(q_n) C_n`` with J_i a rotation about, or a translation along,
 the joint's z axis.
 
-Where joints follow others, the rows are longer, and q are the drives: see :mod:`.layout`.
+If joints follow others, the rows are longer, and q are the drives: see :mod:`.layout`.
 
 Status: 0, or 1 where a joint variable is not finite, or so large that the pose is not; the pose is
 then NaN, the Jacobian undefined.
@@ -88,7 +88,7 @@ def _write_pose(frame, T):
 
 @lean
 def _is_finite(frame):
-    """Tell whether the origin is finite, which sums of huge displacements are not."""
+    """Return whether the origin is finite, unlike sums of huge displacements."""
     return math.isfinite(frame[9]) and math.isfinite(frame[10]) and math.isfinite(frame[11])
 
 
@@ -134,7 +134,7 @@ def joint_jacobian(packed, q, J, T):
         if not math.isfinite(value):
             _write_pose(_NO_FRAME, T)
             return NOT_FINITE
-        # The axis stays where it is under its own joint; its point is kept in the lower rows.
+        # A joint does not move its own axis; the lower rows hold the axis's point.
         J[0, i], J[1, i], J[2, i] = frame[2], frame[5], frame[8]
         J[3, i], J[4, i], J[5, i] = frame[9], frame[10], frame[11]
         frame = _advance(frame, packed, i, value)

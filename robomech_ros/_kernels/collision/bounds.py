@@ -12,9 +12,9 @@ from robomech_ros._kernels.collision.tables import NEAR_PAIRS, TABLES
 from robomech_ros._kernels.compiling.jit import flat, inline, kernel, lean
 from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, OUT2, i8
 
-# Overlap (m) of spheres inside two bodies beyond which they surely are too near.
+# Overlap (m) of spheres inside two bodies that proves them too near.
 ROUNDING = 1e-9
-# Most by which a computed distance, not a bound by spheres, may be too large (m).
+# Greatest excess of a computed distance, other than a bound by spheres (m).
 UNCERTAIN = 1e-6
 
 
@@ -35,7 +35,7 @@ class Posture(NamedTuple):
 
 @inline
 def room_for_posture(tables):
-    """Make room for the bodies at a posture, no sphere of which is placed or moves."""
+    """Make room for the bodies at a posture, with no sphere placed or moved yet."""
     m, s = tables.joints.shape[0], tables.spheres.shape[0]
     return Posture(
         np.empty((m + 1, 12)),
@@ -218,7 +218,7 @@ def _find_nearest(tables, posture, centres, bounds, near):
                 continue
             a, b = int(pairs[p, 0]), int(pairs[p, 1])
             bounds[p] = far_bound(tables, centres, a, b) - pairs[p, 3]
-            # Not farther than the spheres around both are wide, however they lie.
+            # At most the diameters of the spheres around both, in any position.
             most = min(most, bounds[p] + 2.0 * (around[a, 3] + around[b, 3]))
     # The pairs with the least bounds come first: they exclude most of the others.
     for p in range(bounds.size):
@@ -229,7 +229,7 @@ def _find_nearest(tables, posture, centres, bounds, near):
         if bounds[p] <= max(most, 0.0):
             low, high = _padded_bounds(tables, posture, p)
             most = min(most, high)
-            # Overlapping spheres say nothing about depths.
+            # Overlapping spheres give no depth.
             low = max(low, bounds[p])
             if low <= max(most, 0.0):
                 found = insert_pair(near, found, p, max(low, 0.0))

@@ -9,7 +9,7 @@ from robomech_ros._kernels.collision.shapes import DRIVE, place_frames
 from robomech_ros._kernels.collision.travel import move_spheres, pair_travel
 from robomech_ros._kernels.compiling.jit import flat, lean
 
-# Distance (m) beyond the one to keep at which a search for a bound of a cell may end.
+# Margin (m) over the required distance that ends the search for a bound of a cell.
 _SPARE = 0.004
 
 

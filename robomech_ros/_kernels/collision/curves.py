@@ -1,4 +1,4 @@
-"""Curves of drives of Bernstein type: d + 1 coefficients (d + 1, n), on which 0 to 1 is the whole.
+"""Curves of drives of Bernstein type: d + 1 coefficients (d + 1, n), with parameters from 0 to 1.
 
 References
 ----------
@@ -11,7 +11,7 @@ from robomech_ros._kernels.compiling.jit import lean
 
 @lean
 def drive_rate(curve, middle, k):
-    """Bound how far drive k is from its middle on a curve."""
+    """Bound the distance of drive k from its middle on a curve."""
     most = 0.0
     for d in range(curve.shape[0]):
         most = max(most, abs(curve[d, k] - middle[k]))
@@ -20,7 +20,7 @@ def drive_rate(curve, middle, k):
 
 @lean
 def joint_rates(joints, curve, middle, rates):
-    """Write bounds of how far each joint is from its middle on a curve to rates (m,)."""
+    """Write bounds of the distance of each joint from its middle on a curve to rates (m,)."""
     for i in range(joints.shape[0]):
         rates[i] = abs(joints[i, GAIN]) * drive_rate(curve, middle, int(joints[i, DRIVE]))
 

@@ -22,7 +22,7 @@ APART, UNDECIDED = -1, -2
 
 @lean
 def _cell_range(middle, rate):
-    """Return the first cell that a joint touches within a rate (rad), and how many it touches."""
+    """Return the first cell and the number of cells of a joint within a rate (rad)."""
     reach = rate + 1e-9
     first = math.floor((middle - reach) / CELL)
     return int(first), int(math.floor((middle + reach) / CELL) - first) + 1
@@ -30,7 +30,7 @@ def _cell_range(middle, rate):
 
 @lean
 def _cell_number(grids, g, k, i):
-    """Return the place of a cell of group g among all cells, from its numbers along both joints."""
+    """Return the index of a cell of group g from its numbers along both joints."""
     place = int(grids[g, 2]) + k % CELLS
     if grids[g, 1] >= 0.0:
         place += CELLS * (i % CELLS)

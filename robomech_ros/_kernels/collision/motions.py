@@ -1,4 +1,4 @@
-"""Motions on which spheres show that bodies stay apart, and the parts on which they do not."""
+"""Motions proved free by spheres, and the parts that spheres leave open."""
 
 import math
 from typing import Any, NamedTuple
@@ -29,7 +29,7 @@ from robomech_ros._kernels.compiling.types import IIN1, IN1, IN2, IOUT1, IOUT2, 
 # The most halvings of a piece of a motion.
 DEEPEST = 40
 FREE, CONTACT, FULL = 0, 1, 2
-# Verdicts about a pair on a part of a motion: free of contact, to be halved, left open, in contact.
+# Results for a pair on a part of a motion: free, to be halved, left open, in contact.
 _CLEAR, _HALVE, _OPEN, _TOUCHING = 0, 1, 2, 3
 # States of a group on a part: not looked at, undecided, apart, its cells filled in vain, and moving
 # too far for a decision.
@@ -110,7 +110,7 @@ def _push_halves(stack, waiting, right, left):
 
 @flat
 def _place_middle(tables, posture, curve, middle):
-    """Place the frames in the middle of a curve, and bound how far the joints are from it."""
+    """Place the frames in the middle of a curve, and bound the distances of the joints from it."""
     joint_rates(tables.joints, curve, middle, posture.rates)
     place_frames(tables.joints, middle, posture.frames)
     posture.ready[:] = 0
@@ -118,7 +118,7 @@ def _place_middle(tables, posture, curve, middle):
 
 @flat
 def _start_part(tables, posture, part, curve):
-    """Place all bodies in the middle of a part of a motion; nothing else is known of it yet."""
+    """Place all bodies in the middle of a part of a motion, and clear all else."""
     _place_middle(tables, posture, curve, part.middle)
     place_bodies(posture.frames, tables.bodies, tables.around, part.centres)
     part.groups[:] = _NEW
@@ -127,7 +127,7 @@ def _start_part(tables, posture, part, curve):
 
 @flat
 def _centre_travel(tables, posture, part, b, c):
-    """Bound how far the centre of the sphere around body b moves against frame c."""
+    """Bound the travel of the centre of the sphere around body b against frame c."""
     f = int(tables.bodies[b, 0])
     if f == 0:
         return 0.0
@@ -141,7 +141,7 @@ def _centre_travel(tables, posture, part, b, c):
 
 @flat
 def _travel_of_centres(tables, posture, part, a, b, c):
-    """Bound how far the centres of the spheres around two bodies move against each other."""
+    """Bound the relative travel of the centres of the spheres around two bodies."""
     travel = _centre_travel(tables, posture, part, a, c)
     return travel + _centre_travel(tables, posture, part, b, c)
 
@@ -169,7 +169,7 @@ def _judge_group(tables, posture, part, curve, p, keep, step):
 
 @lean
 def _skip_apart(tables, part, waiting, i):
-    """Return the place in a list of pairs after place i, and after all of its group if apart."""
+    """Return the next index of a list of pairs after i, and after all of its group if apart."""
     g = int(tables.pairs[waiting[i], 4])
     i += 1
     if part.groups[g] == _APART:
@@ -205,7 +205,7 @@ def _judge(tables, posture, part, curve, p, limits, finest):
     if bound - travel > keep:
         return _CLEAR
     if travel > max(limits[1], bound + around[a, 3] + around[b, 3]):
-        # Bodies that may change places: nothing is shown before this part is halved.
+        # Bodies may change places: nothing is proved before this part is halved.
         return _HALVE
     low, moving, high = _spheres_moved(tables, posture, p)
     if moving > keep:
@@ -232,7 +232,7 @@ def _judge_by_hulls(tables, posture, p, limits, finest):
     pairs = tables.pairs
     keep = limits[0] + pairs[p, 3]
     travel = pair_travel(tables, posture, p)
-    # If nothing is to be proved, it is enough to know that the middle is free.
+    # Without a proof it is enough that the middle is free.
     enough = keep + UNCERTAIN + (travel if limits[3] == 0.0 else 0.0)
     low, high = hull_bounds(tables, posture.frames, p, keep, enough)
     if low > keep + travel + UNCERTAIN:

@@ -29,7 +29,7 @@ def compose(A, i, B, k, j, out, o):
 
 @lean
 def place_frames(joints, q, frames):
-    """Write the poses (m + 1, 12) of the base and of what moves with each joint, at drives q."""
+    """Write the poses (m + 1, 12) of the base and of the frames of all joints, at drives q."""
     for k in range(12):
         frames[0, k] = 1.0 if k in (0, 4, 8) else 0.0
     for i in range(joints.shape[0]):
@@ -47,7 +47,7 @@ def place_frames(joints, q, frames):
 
 @lean
 def signed_distance(kind, shapes, k, x, y, z):
-    """Return how far a point is outside of shape k, negative inside."""
+    """Return the signed distance of a point to shape k, negative inside."""
     x -= shapes[k, 9]
     y -= shapes[k, 10]
     z -= shapes[k, 11]

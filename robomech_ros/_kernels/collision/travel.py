@@ -1,4 +1,4 @@
-"""Bounds of how far bodies move while the joints turn by at most some angles to either side."""
+"""Bounds of the travel of bodies while the joints turn by at most some angles to either side."""
 
 import math
 
@@ -32,7 +32,7 @@ def point_travel(joints, frames, f, point, rates, moved):
 
 @flat
 def move_spheres(tables, posture, b):
-    """Place the spheres of body b and bound how far they move, if not done yet."""
+    """Place the spheres of body b and bound their travel, if not done yet."""
     if posture.ready[b]:
         return
     place_spheres(tables, posture, b)
@@ -44,7 +44,7 @@ def move_spheres(tables, posture, b):
 
 @flat
 def _hull_travel(tables, posture, b, c):
-    """Bound how far any point of body b moves against frame c, from how far its spheres do."""
+    """Bound the travel of body b against frame c from the travel of its spheres."""
     joints, bodies, rates = tables.joints, tables.bodies, posture.rates
     f = int(bodies[b, 0])
     growth = 1.0
@@ -60,7 +60,7 @@ def _hull_travel(tables, posture, b, c):
 
 @flat
 def pair_travel(tables, posture, p):
-    """Bound how far points of both bodies of pair p move against each other."""
+    """Bound the relative travel of points of both bodies of pair p."""
     pairs = tables.pairs
     c = int(pairs[p, 2])
     travel = _hull_travel(tables, posture, int(pairs[p, 0]), c)

@@ -1,1 +1,1 @@
-"""How kernels are compiled, and where the results are kept."""
+"""Compilation of kernels, and the cache of its results."""

@@ -51,11 +51,11 @@ class _Locator(_CacheLocator):
         return str(cache_directory())
 
     def get_source_stamp(self) -> str:
-        """Return the digest of all sources that the kernel is made from."""
+        """Return the digest of all sources of the kernel."""
         return self._digest
 
     def get_disambiguator(self) -> str:
-        """Tell equally named kernels of other folders and of other states of the sources apart."""
+        """Return a tag for kernels of the same name in other folders or source states."""
         return f"{self._module}-{self._line}-{self._digest}"
 
 
@@ -69,7 +69,7 @@ class KernelCache(FunctionCache):
     _impl_class = _Files
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Load a kernel; None where it has to be compiled, which is logged the first time."""
+        """Load a kernel, or return None if it must be compiled, which is logged the first time."""
         found = super().load_overload(sig, target_context)
         if found is None:
             _log_compilation()
@@ -107,7 +107,7 @@ def _cache_roots() -> list[Path]:
     elif os.environ.get("XDG_CACHE_HOME"):
         roots.append(Path(os.environ["XDG_CACHE_HOME"]) / "robomech_ros")
     else:
-        # expanduser leaves "~" standing where there is no home.
+        # expanduser keeps "~" without a home.
         home = os.path.expanduser("~")
         if home != "~":
             roots.append(Path(home) / ".cache" / "robomech_ros")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 
 def who_else_can_write(directory: Path) -> str:
-    """Say who else could put files into a directory, or put another one in its place.
+    """Name other users who could write to a directory or replace it.
 
     All levels are looked at, up to the home of the user or, elsewhere, to the first that belongs
     to the system: what stands above is trusted, as everything on the machine depends on it.
@@ -35,7 +35,7 @@ def who_else_can_write(directory: Path) -> str:
         of_system = place != real and found.st_uid == 0
         if found.st_uid != os.getuid() and not of_system:
             return f"{place} belongs to user {found.st_uid}, expected {os.getuid()}"
-        # Where the sticky bit is set, as on /tmp, only the owner may rename or remove a file.
+        # With the sticky bit, as on /tmp, only the owner may rename or remove a file.
         sticky = place != real and found.st_mode & stat.S_ISVTX
         if found.st_mode & (stat.S_IWGRP | stat.S_IWOTH) and not sticky:
             rights = f"{stat.S_IMODE(found.st_mode):o}"

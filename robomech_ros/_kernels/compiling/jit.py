@@ -40,7 +40,7 @@ def _load_arrays_without_blas() -> None:
         arrays = import_module("numba.np.arraymath")
     finally:
         del sys.modules[blas]
-    # What numba has concluded decides whether np.cov is offered to other compiled code.
+    # This decision of numba also sets whether other compiled code gets np.cov.
     if "_HAVE_BLAS" in vars(arrays):
         vars(arrays)["_HAVE_BLAS"] = find_spec("scipy") is not None
 
@@ -122,7 +122,7 @@ def lean(function: Callable[..., Any]) -> Any:
 def flat(function: Callable[..., Any]) -> Any:
     """Compile a function as :func:`lean` does, as a part of each function that calls it.
 
-    That is for what is called often and takes many arrays: each is seven words to hand over.
+    That is for frequent calls with many arrays: each array is seven words to hand over.
     """
     return _inlined(function, {**_NO_COUNTS, "forceinline": True})
 

@@ -126,7 +126,7 @@ def _plant_step(model, friction, stops, around, tau, step, q, qd):
 def servo_steps(
     plant, joints, model, controller, mode, share, around, wanted, period, substeps, state, out
 ):
-    """Let a controller drive a chain along what is wanted; return how many periods it could.
+    """Simulate a controller along a desired motion of a chain; return the number of periods.
 
     ``plant`` and ``model`` (n + 1, 24) are the chain that moves, and the one that the controller
     knows.  ``joints`` (6, n) have of the plant viscous and Coulomb friction, the excess of the

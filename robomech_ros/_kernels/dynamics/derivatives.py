@@ -40,11 +40,11 @@ from robomech_ros._kernels.spatial.vectors import combined, cross
 
 @lean
 def _tip_terms(axes, wrench, tip, by_q):
-    """Take off what the wrench on the tip, which keeps its direction, does to the derivatives."""
+    """Subtract the effect of the wrench on the tip, of constant direction, on the derivatives."""
     count = by_q.shape[0]
     for i in range(count):
         S = six(axes[i])
-        # The force stays as it is, and goes with the tip.
+        # The force is constant, and moves with the tip.
         mx, my, mz = cross(combined(S[3:], cross(S, tip), 1.0), wrench[3:])
         for j in range(count):
             by_q[j, i] -= axes[j, 0] * mx + axes[j, 1] * my + axes[j, 2] * mz

@@ -17,7 +17,7 @@ from robomech_ros._kernels.tolerances import LARGEST_SERVO_RATE
 # Matrices of their numbers stand on the stack.
 MOST_SERVO_JOINTS = 32
 
-# Rounds of which each looks which joints stick.  One or two are the rule.
+# Most rounds of the search for sticking joints; one or two are the rule.
 _ROUNDS = 40
 
 # How near to a stop a joint is at it, rad or m.
@@ -26,7 +26,7 @@ AT_STOP = 1e-9
 
 @lean
 def dry_friction(friction, i, rate):
-    """Return the Coulomb friction of joint i with what is left of its static friction."""
+    """Return the Coulomb friction of joint i with the rest of its static friction."""
     x = abs(rate) * friction[3, i]
     return friction[1, i] + friction[2, i] * math.exp(-min(x * x, 700.0))
 
@@ -50,13 +50,13 @@ def _sweep(A, b, dry, low, high, v, count):
 
 @lean
 def _is_held(dry, low, high, v, i):
-    """Tell whether joint i sticks, or stands at a bound of its rate."""
+    """Return whether joint i sticks, or is at a bound of its rate."""
     return (v[i] == 0.0 and dry[i] > 0.0) or v[i] <= low[i] or v[i] >= high[i]
 
 
 @lean
 def _settle(A, b, dry, low, high, v, count):
-    """Solve for the rates with those held that are; tell whether these are the ones to hold."""
+    """Solve for the rates with the held joints; return whether the held set is consistent."""
     F = scratch(MOST_SERVO_JOINTS, MOST_SERVO_JOINTS)
     x = scratch(MOST_SERVO_JOINTS)
     for i in range(count):
@@ -99,7 +99,7 @@ def _settle(A, b, dry, low, high, v, count):
 
 @lean
 def settled_rates(A, b, dry, low, high, v, count):
-    """Write the rates v (count,), from those before; tell whether they are finite and bounded."""
+    """Write the rates v (count,) from the last ones; return whether they are finite and bounded."""
     for _ in range(_ROUNDS):
         _sweep(A, b, dry, low, high, v, count)
         if _settle(A, b, dry, low, high, v, count):

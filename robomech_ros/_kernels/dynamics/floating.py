@@ -28,7 +28,7 @@ def _drift(u):
 
 @lean
 def _swap(given, out):
-    """Write slides first of a base vector that has turns first, or the other way."""
+    """Swap the slides and the turns of a base vector."""
     for j in range(3):
         out[j], out[3 + j] = given[3 + j], given[j]
 

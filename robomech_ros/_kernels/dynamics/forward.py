@@ -29,7 +29,7 @@ from robomech_ros._kernels.dynamics.inverse import inverse_body
 from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
 from robomech_ros._kernels.dynamics.mass import NO_MOTION, mass_body
 
-# A mass matrix that is not positive definite to working precision: nothing resists some motion.
+# Status: the mass matrix is not positive definite; nothing resists some motion.
 SINGULAR = 2
 _NOTHING = (0.0,) * 21
 
@@ -79,7 +79,7 @@ def _times(A, x):
 
 @lean
 def _less_joint(A, U, inverse):
-    """Take off an inertia (21) what a joint that gives way does not pass on: U U^T / D."""
+    """Subtract from an inertia (21) the part that a yielding joint does not pass on: U U^T / D."""
     a, b, c = U[0] * inverse, U[1] * inverse, U[2] * inverse
     d, e, f = U[3] * inverse, U[4] * inverse, U[5] * inverse
     return (
@@ -125,7 +125,7 @@ def _articulated_body(model, q, qd, tau, around, out):
         write_six(axes[i], S)
         write_six(velocities[i], velocity)
         write_six(drifts[i], motion_cross(velocity, plus(NO_MOTION, S, qd[i])))
-    # The inertia of what is beyond a joint that gives way, and the force that it takes.
+    # The inertia beyond a joint that gives way, and the force that it takes.
     A = _NOTHING
     p = plus(NO_MOTION, wrench_about(around, tip), -1.0)
     for i in range(count - 1, -1, -1):

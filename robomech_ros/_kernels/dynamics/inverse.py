@@ -65,7 +65,7 @@ def _out_of(E, v):
 
 @lean
 def three(row, i):
-    """Read three numbers of a row from place i on."""
+    """Read three numbers of a row from index i on."""
     return row[i], row[i + 1], row[i + 2]
 
 
@@ -84,7 +84,7 @@ def next_motion(motion, E, slides, rate, gain):
 
 @lean
 def _keep(room, i, E, n, f):
-    """Note the transform in front of link i, and the moment and force that it takes."""
+    """Store the transform in front of link i, and its moment and force."""
     for j in range(12):
         room[i, j] = E[j]
     for j in range(3):
@@ -117,7 +117,7 @@ def _collect(model, room, tip, out):
 
 @lean
 def _is_loaded(around):
-    """Tell whether there is a wrench on the tip."""
+    """Return whether there is a wrench on the tip."""
     for k in range(TIP_WRENCH, SURROUNDINGS):
         if around[k] != 0.0:
             return True
@@ -207,7 +207,7 @@ def _coupled_gravity(model, q, around, out):
 def gravity_body(model, q, around, out):
     """Write the torques (n,) that hold the chain still at q to out; return the status.
 
-    Of what surrounds it only the acceleration of the origin and the wrench count.
+    Only the acceleration of the origin and the wrench of its surroundings count.
     """
     if is_coupled(model):
         return _coupled_gravity(model, q, around, out)

@@ -1,4 +1,4 @@
-"""The matrix by which the bodies' parameters give the torques.
+"""The matrix from the bodies' parameters to the torques.
 
 The torques are linear in the ten numbers of each body that ``dynamics.layout`` names.  Source:
 Atkeson, An, Hollerbach, Estimation of inertial parameters of manipulator loads and links, Int. J.
@@ -18,7 +18,7 @@ from robomech_ros._kernels.spatial.vectors import combined, cross, dot, triple
 
 @lean
 def _write_row(turning, moving, motion, row):
-    """Write what the ten parameters of a body give along an axis, both in its frame."""
+    """Write the coefficients of a body's ten parameters along an axis, both in its frame."""
     w, b, a = motion
     row[0] = dot(moving, a)
     # Transposed [alpha x] + [omega x]^2 times v, plus a x e.

@@ -1,1 +1,1 @@
-"""Hands: the wrenches of contacts, and whether they close a grasp."""
+"""Hands: wrenches of contacts, and closure of grasps."""

@@ -1,4 +1,4 @@
-"""Wrench cones of contacts, and whether they surround the origin.
+"""Wrench cones of contacts, and the test that they surround the origin.
 
 A contact exerts the wrenches n a + B' y with |y| <= n, n its normal force.  The cones surround the
 origin, strictly, if and only if the polar body a . u + |B u| <= 1 is bounded, and then its
@@ -17,9 +17,9 @@ from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, OUT3, b1, f8, 
 
 OPEN, CLOSED = 0, 1
 _MOST_STEPS = 120
-# A certain proof is a decrement below 1; the rest is left to rounding.
+# Decrement that proves closure: below 1, with a margin for rounding.
 _PROVEN = 0.9
-# A polar body that reaches farther is taken as unbounded: its grasp resists 1e-9 at most.
+# Size of a polar body that counts as unbounded: its grasp resists 1e-9 at most.
 _FARTHEST = 1e9
 # Squares of singular values below this share of the entries are rounding.
 _NO_RANK = 1e-14
@@ -61,7 +61,7 @@ def wrench_cones(rows, origin, length, planar, cones):
 
     ``rows`` (k, 15) are position, normal, and two tangents of the contacts, and how far each of
     three components may go for a unit of normal force (friction, friction, and torsion as m).
-    Moments are about the ``origin`` (3,), in units of ``length`` (m).  Where ``planar``, wrenches
+    Moments are about the ``origin`` (3,), in units of ``length`` (m).  If ``planar``, wrenches
     have the moment about z and the force along x and y only.  ``cones`` (k, 4, 3 or 6) are filled.
     """
     _cones(rows, origin, length, planar, cones)
@@ -70,7 +70,7 @@ def wrench_cones(rows, origin, length, planar, cones):
 
 @lean
 def _unopposed(cones, u):
-    """Say whether no contact exerts a wrench along u."""
+    """Return whether no contact exerts a wrench along u."""
     for i in range(cones.shape[0]):
         along, across = 0.0, 0.0
         for c in range(cones.shape[2]):
@@ -120,7 +120,7 @@ def barrier(cones, u, H, g, y):
 
 @lean
 def _spans(H, d):
-    """Say whether H, whose lower triangle becomes a factor of it, has full rank."""
+    """Factorise the lower triangle of H; return whether H has full rank."""
     for j in range(d):
         whole = H[j, j]
         for k in range(j):
@@ -138,7 +138,7 @@ def _spans(H, d):
 
 @kernel(i8(IN2, IN1, f8, b1, OUT3, OUT1))
 def closed(rows, origin, length, planar, cones, u):
-    """Say whether the wrenches of the contacts surround the origin: CLOSED or OPEN.
+    """Return whether the wrenches of the contacts surround the origin: CLOSED or OPEN.
 
     The first five arguments are as for :func:`wrench_cones`.  u (3 or 6,) is filled with where the
     method ended; no wrench, or hardly any, is along that of an open grasp.

@@ -1,4 +1,4 @@
-"""A hull that grows by points and keeps who is next to whom.
+"""An incremental convex hull with the neighbours of its facets.
 
 Each facet has d points and the plane v . x = 1 through them.  A new point takes the place of all
 facets that it is above of and that hang together: it is joined to each of their outer ridges.  The
@@ -17,12 +17,12 @@ import math
 
 from robomech_ros._kernels.compiling.jit import lean
 
-# What facets that are gone are marked by, and the answer where there is no room for more.
+# Mark of removed facets, and the result if there is no room for more.
 DEAD = -(1 << 62)
 FULL = -1
-# A point is above a plane where v . p is more than 1 by this.
+# Least excess of v . p over 1 for a point above a plane.
 ABOVE = 1e-12
-# A neighbour is facet << _BITS, and the place of the point that it alone has of the two.
+# A neighbour is facet << _BITS, and the index of the point that only it has.
 _BITS = 3
 _PLACE = 7
 
@@ -68,7 +68,7 @@ def begin(facets, planes, lists, d):
 
 @lean
 def _seen(facets, planes, lists, f, p, stamp):
-    """List the facets below p that hang together with f, marked by the stamp; give their number."""
+    """List the connected facets below p around f, marked by the stamp; return their number."""
     d = p.shape[0]
     facets[f, 2 * d] = stamp
     lists[1, 0] = f
@@ -107,7 +107,7 @@ def _cover(facets, planes, new, f, j, point, p):
 
 @lean
 def _place(facets, f, point, d):
-    """Return the place of a point of a facet."""
+    """Return the index of a point in a facet."""
     for c in range(d):
         if facets[f, c] == point:
             return c
@@ -118,7 +118,7 @@ def _place(facets, f, point, d):
 def _link(facets, f, j, d):
     """Find the other neighbours of the new facet at the ridge of f without its point j.
 
-    Around what both ridges have in common, the way leads through facets that go.
+    Around the common part of both ridges, the walk passes facets to be removed.
     """
     new = -1 - facets[f, d + j]
     for i in range(d):
@@ -135,7 +135,7 @@ def _link(facets, f, j, d):
 
 @lean
 def join(facets, planes, lists, sizes, f, point, p):
-    """Let a point take the place of the facets below it that hang together with facet f.
+    """Replace the connected facets below a point, around facet f, by facets to the point.
 
     ``facets``, ``planes`` and ``lists`` are as for :func:`begin`; ``sizes`` (2,) are the number of
     free facets and the last stamp; p (d,) is where the point of this number is, above f.  Returns

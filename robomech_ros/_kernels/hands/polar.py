@@ -1,4 +1,4 @@
-"""A simplex around the polar body of a grasp, where the hull of its wrenches begins.
+"""A simplex around the polar body of a grasp: the first hull of its wrenches.
 
 The polar body is a . u + |B u| <= 1 for all contacts.  Its logarithmic barrier has the parameter
 2 for each contact, and the body is inside the ellipsoid about the centre of the barrier that is
@@ -15,10 +15,10 @@ from robomech_ros._kernels.compiling.jit import lean, scratch
 from robomech_ros._kernels.hands.force_closure import barrier
 
 _MOST_STEPS = 200
-# Below this decrement a whole step of Newton's method converges, and below the other it has.
+# Decrements below which a whole step of Newton's method converges, and has converged.
 _NEAR = 0.25
 _CENTRED = 1e-7
-# The ellipsoid is larger by this, since the centre is not exact.
+# Enlargement of the ellipsoid for the error of its centre.
 _WIDER = 1.01
 
 

@@ -15,11 +15,11 @@ from robomech_ros._kernels.hands.hull import ABOVE, DEAD, FULL, above, begin, jo
 from robomech_ros._kernels.hands.polar import enclosed
 
 CLOSE, USED_UP, SPOILT = 0, 1, 2
-# Of a lower bound, left to rounding of wrenches of size 1.
+# Slack of a lower bound, for the rounding of wrenches of size 1.
 _ROUNDING = 1e-12
-# Facets are left out that are nearer than the upper bound by this part of what is wanted.
+# Facets are left out that are nearer than the upper bound by this fraction of the tolerance.
 _ENOUGH = 0.999
-# New points lose up to this part of what is wanted, and of themselves, so that never too many are
+# New points lose up to this fraction of the tolerance, and of themselves, so that not too many are
 # in one plane; the golden section spreads the parts.
 _GIVEN_UP = 1e-2
 _MOST_GIVEN_UP = 1e-6
@@ -28,7 +28,7 @@ _GOLDEN = 0.6180339887498949
 
 @lean
 def _touch(cone, n, p):
-    """Write the wrench of a contact that is farthest along n, and give how far."""
+    """Write the wrench of a contact that is farthest along n; return the distance."""
     d = n.shape[0]
     y = scratch(3)
     along, square = 0.0, 0.0
@@ -50,7 +50,7 @@ def _touch(cone, n, p):
 
 @lean
 def _farthest(cones, n, p, best):
-    """Write the wrench of all contacts that is farthest along n to best, and give how far."""
+    """Write the wrench of all contacts that is farthest along n to best; return the distance."""
     found = -math.inf
     for i in range(cones.shape[0]):
         height = _touch(cones[i], n, p)
@@ -63,7 +63,7 @@ def _farthest(cones, n, p, best):
 
 @lean
 def _push(heap, size, key, facet):
-    """Add a facet to a heap of them, the nearest first."""
+    """Push a facet onto a heap, the nearest first."""
     at = size
     while at > 0 and heap[(at - 1) // 2, 0] > key:
         heap[at, 0], heap[at, 1] = heap[(at - 1) // 2, 0], heap[(at - 1) // 2, 1]
@@ -73,7 +73,7 @@ def _push(heap, size, key, facet):
 
 @lean
 def _pop(heap, size):
-    """Take the first of a heap of so many away."""
+    """Pop the first entry of a heap of this size."""
     key, facet = heap[size - 1, 0], heap[size - 1, 1]
     at, under = 0, 1
     while under < size - 1:
@@ -88,7 +88,7 @@ def _pop(heap, size):
 
 @lean
 def _wait(planes, heap, waiting, far, came):
-    """Put those of new facets on the heap that are nearer than far; give its size."""
+    """Push the new facets nearer than far onto the heap; return its size."""
     d = planes.shape[1] - 1
     size = waiting
     for g in came:
@@ -100,7 +100,7 @@ def _wait(planes, heap, waiting, far, came):
 
 @lean
 def _rounding(cones):
-    """Return what rounding makes of distances of planes through wrenches."""
+    """Return the rounding of distances of planes through wrenches."""
     largest = 1.0
     for i in range(cones.shape[0]):
         size = 0.0
@@ -135,7 +135,7 @@ def _lower_upper(cones, plane, found, best):
 
 @kernel(i8(IN3, f8, OUT2, IOUT2, OUT2, OUT2, IOUT2, OUT1))
 def grow(cones, close, points, facets, planes, heap, lists, found):
-    """Let the hull of ``cones`` (k, 4, d) of a closed grasp grow until the bounds are ``close``.
+    """Extend the hull of ``cones`` (k, 4, d) of a closed grasp until the bounds are ``close``.
 
     ``points`` (n, d) is room for points, ``facets``, ``planes`` and ``lists`` for facets, as for
     :func:`begin`; so many of either end it.  ``heap`` (m, 2) is room for distances of facets and
@@ -162,7 +162,7 @@ def grow(cones, close, points, facets, planes, heap, lists, found):
         _pop(heap, waiting)
         waiting -= 1
         if facets[f, 2 * d] != DEAD and planes[f, d] == key:
-            # No farther than those that are left out.
+            # No farther than the omitted facets.
             found[0] = max(found[0], min(key - rounding, found[1] - _ENOUGH * close))
             _lower_upper(cones, planes[f], found, best)
             if found[1] - found[0] <= close:

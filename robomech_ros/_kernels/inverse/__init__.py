@@ -1,1 +1,1 @@
-"""Inverse kinematics: every family of arms, and what they share."""
+"""Inverse kinematics: every family of arms, and their common parts."""

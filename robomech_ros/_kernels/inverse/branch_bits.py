@@ -19,10 +19,10 @@ CONTINUUM = SHOULDER_SINGULAR | ELBOW_SINGULAR | WRIST_SINGULAR | SELF_MOTION
 UNNAMED = 1 << 14
 # It has a number (in the place of the arm's) and nothing else.
 POSTURE_NUMBERED = 1 << 15
-# A singular posture without a continuum: two solutions have become one.
+# A singular posture without a continuum: two coincident solutions.
 BOUNDARY = 1 << 11
 # Axes 4 and 6 of a singular spherical wrist point in opposite directions.
 WRIST_OPPOSED = 1 << 12
 
-# Added to a number of solutions where the list may lack one.
+# Added to the number of solutions of a list that may lack one.
 DOUBT = 1 << 8

@@ -10,7 +10,7 @@ from robomech_ros._kernels.chain.layout import TURN
 from robomech_ros._kernels.compiling.jit import kernel, lean
 from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT1
 
-# What a jump costs: more than any moves can.
+# Cost of a jump: more than that of any moves.
 _JUMP = 1e6
 
 

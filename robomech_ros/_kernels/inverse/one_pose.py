@@ -25,7 +25,7 @@ DISTANCES = 16  # of each solution from the seed
 MARKED = DISTANCES + MAX_SOLUTIONS  # its branch
 TOTAL = MARKED + MAX_SOLUTIONS
 
-# Of the families whose solutions are listed.
+# Families whose solutions are listed.
 _MOST_JOINTS = 6
 _ROOM = MAX_SOLUTIONS * _MOST_JOINTS
 _ENTRIES = 6

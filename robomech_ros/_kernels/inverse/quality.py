@@ -20,7 +20,7 @@ ORIENTATION = 1
 MARGIN = 2
 CONDITION = 3
 
-# Where the position's components begin; typed as ZERO is.
+# First index of the position's components; typed like ZERO.
 _LINEAR = np.int64(3)
 
 

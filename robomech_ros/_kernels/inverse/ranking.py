@@ -164,7 +164,7 @@ def insert(turns, q, name, distance, count, ranked):
 def rank_body(request, q, branch, total, placed, order, away, ranked):
     """Write each of ``total`` solutions once, in the winding nearest to the seed, nearest first.
 
-    Of more solutions than ``ranked`` has room for, the nearest are kept; ``placed``, ``order`` and
+    If ``ranked`` has too little room, the nearest solutions are kept; ``placed``, ``order`` and
     ``away`` are working space for all of them.  Returns how many.
     """
     turns, lower, upper, seed, metric, bounded = request
@@ -221,7 +221,7 @@ def _count_windings(turns, lower, upper, q):
 
 @kernel(i8(IIN1, IN1, IN1, IN2))
 def winding_count(turns, lower, upper, q):
-    """How many windings inside the limits the solutions q (k, n) have in all, 2**62 at most."""
+    """Return the number of windings inside the limits of all solutions q (k, n), 2**62 at most."""
     total = 0.0
     for k in range(q.shape[0]):
         total += _count_windings(turns, lower, upper, q[k])

@@ -27,7 +27,7 @@ _STEPS = np.int64(30)
 
 @inline
 def _stays(data, found):
-    """Tell whether the imagined joints are at zero, near enough for a polish to decide."""
+    """Return whether the imagined joints are at zero, near enough for a polish to decide."""
     for i in range(6):
         if data[at.PLACES + i] < 0.0:
             if data[at.SLIDES + i] != 0.0:
@@ -43,7 +43,7 @@ def _stays(data, found):
 def _entered(data, packed, T, found, q, errors, count):
     """Write the joints of the arm behind the solutions there are, if they solve it and are new.
 
-    Of two that only come near to the pose, and are near each other, the better one stays;
+    If two only come near to the pose, and are near each other, the better one stays;
     ``errors`` (16,) are theirs (rad or m).
     """
     n = q.shape[1]
@@ -106,7 +106,7 @@ def _displace(data, attempt, found):
 def solve_short(data, T, seed, q, branch):
     """Write all solutions for the pose T (4, 4) to q (16, n), branches to ``branch`` (16,).
 
-    Where the completed arm is singular and the arm itself need not be, solutions are sought from
+    If the completed arm is singular and the arm itself need not be, solutions are sought from
     several values of what is free there, or, without a closed form, nearby; very many that are
     found so are a continuum.  Returns how many there are, plus DOUBT where the list may lack one.
     """

@@ -168,7 +168,7 @@ def _solve_pose(family, data, T, start, request, q, branch, space, ranked, state
 
 @lean
 def _number(branch):
-    """Give numbers to postures that were solved backwards, whose names belong to other joints."""
+    """Write numbers of postures that were solved backwards, whose names belong to other joints."""
     for k in range(branch.shape[0]):
         number = branch[k] & (bit.SHOULDER_RIGHT | bit.ELBOW_DOWN | bit.WRIST_FLIP)
         if branch[k] & bit.ARM_NUMBERED:
@@ -198,11 +198,11 @@ def solve(arm, T, seed, metric, bounded, q, ranked, distances, marks, counts):
     The solutions inside the limits (all where not ``bounded``) go to ``ranked`` (m, room, n),
     nearest to the seed first and NaN after the last, their number to ``counts`` (m,): it is
     NONE_EXISTS where there is no solution even outside the limits, UNDECIDED where the family
-    cannot vouch for that.  Where limits exclude a representative of a continuum, others are tried,
+    cannot vouch for that.  If limits exclude a representative of a continuum, others are tried,
     with other values of the free joints.
     BACKWARDS is added to ``family`` where the constants are those of the inverse motion.
 
-    Of the last pose, q (16, n) and row BRANCH of ``marks`` (MARKS, 16) get the bare solutions, its
+    For the last pose, q (16, n) and row BRANCH of ``marks`` (MARKS, 16) get the bare solutions, its
     row NAMES and ``distances`` (16,) the branches of the ranked ones and their distances.  Returned
     are the entries of its ``state``.
     """

@@ -27,7 +27,7 @@ SCHATTEN = 2
 LEAST = 3
 COUNT = 4
 
-# Where the linear rows begin.
+# First of the linear rows.
 _LINEAR = 3
 
 
@@ -105,7 +105,7 @@ def _derivatives(s, index, f, power, out):
 def _by_jacobian(J, W, s, ds, weights, rows, G):
     """Write the derivative by J, sum of ds u v^T, from the orthogonal rows W to G (6, n).
 
-    Returns that by the logarithm of what the linear rows were divided by.
+    Returns that by the logarithm of the divisor of the linear rows.
     """
     r, n = rows.size, G.shape[1]
     small, large = W.shape[0], W.shape[1] - W.shape[0]
@@ -148,7 +148,7 @@ def indices(packed, q, weights, rows, power, out):
 def _gradient(packed, q, J, weights, rows, power, index, spaces, value, out):
     """Write the indices of J (6, n) at q to value (4,), the gradient of one to out (n,).
 
-    Returns the derivative by the logarithm of what the linear rows were divided by.  ``spaces`` are
+    Returns the derivative by the logarithm of the divisor of the linear rows.  ``spaces`` are
     arrays to work with: G like J, W, and s and ds for the singular values.
     """
     G, W, s, ds = spaces

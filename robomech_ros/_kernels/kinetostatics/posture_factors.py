@@ -10,7 +10,7 @@ from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.compiling.jit import inline, lean, scratch
 from robomech_ros._kernels.spatial.vectors import cross, dot, lower, upper
 
-# What an arm is made of: nothing with a name; a spherical shoulder and wrist, without or with one
+# Named parts of an arm: none; a spherical shoulder and wrist, without or with one
 # joint between them; a spherical wrist after three joints, without or with parallel axes 2 and 3;
 # three parallel axes, alone or as joints 2 to 4 of six, with outer axes that miss each other or
 # meet; a spherical wrist alone.
@@ -72,7 +72,7 @@ def _meeting(J, first, count):
 
 @inline
 def named_factors(J, parts, size, out):
-    """Write the factors of J (6, n) to out, dimensionless, in the order in which they are named.
+    """Write the factors of J (6, n) to out, dimensionless, in the order of their names.
 
     ``parts`` (6,) is the kind; the first joint of the shoulder, counted from 0; that of the wrist;
     and three with parallel axes.  ``size`` is that of the arm (m).

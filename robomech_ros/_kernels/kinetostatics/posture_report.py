@@ -61,7 +61,7 @@ def _length(A, i):
 
 @lean
 def _extend(basis, count, candidates, tolerance):
-    """Add orthonormal rows, for what candidates span besides the first `count` rows of basis.
+    """Add orthonormal rows for the span of candidates outside the first `count` rows of basis.
 
     The candidates (k, c) are overwritten.  Returns how many rows there are now.
     """
@@ -79,7 +79,7 @@ def _extend(basis, count, candidates, tolerance):
         for j in range(basis.shape[1]):
             basis[count, j] = candidates[best, j] / longest
         for k in range(count):
-            # What rounding has left of them.
+            # Residuals of rounding.
             _subtract(basis, count, basis, k)
         length = _length(basis, count)
         for j in range(basis.shape[1]):
@@ -111,7 +111,7 @@ def _decompose(W, s, left, right, values):
         if not s[row] > RANK * values[0]:
             continue
         rank += 1
-        # Rows are those of the matrix turned, times the singular value, and then of what turned it.
+        # Rows of the rotated matrix, times the singular value, then those of the rotation.
         large = n if n >= six else six
         for k in range(n):
             right[i, k] = W[row, k] / s[row] if n >= six else W[row, large + k]

@@ -3,7 +3,7 @@
 An arm of six joints gets them by elimination, one with a spherical wrist in two systems of three:
 the velocity of the wrist centre gives the rates of the arm, what its turning leaves of the angular
 velocity gives those of the wrist.  The determinant comes with them, and bounds the least singular
-value from below.  Where the bound does not exclude a singularity, and for all other arms, singular
+value from below.  If the bound does not exclude a singularity, and for all other arms, singular
 values give the rates of least norm, or of least error of the twist.
 
 References
@@ -79,7 +79,7 @@ def _eliminated(J, b, x):
 
 @lean
 def _is_regular(J, determinant, length, damping):
-    """Tell whether the least singular value is certainly above what is damped or is zero.
+    """Return whether the least singular value is certainly above what is damped or is zero.
 
     The product of the five others is at most their mean square to the power of 5/2.
     """

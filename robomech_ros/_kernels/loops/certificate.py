@@ -75,7 +75,7 @@ def invert(chains, found, inverse):
 
 @lean
 def passive_moves(chains, inverse, D, qd):
-    """Write what closes the loops, the drives at rest, for the twists D (limbs, 6, 1) in m."""
+    """Write the passive moves that close the loops for twists D (limbs, 6, 1), drives fixed."""
     t = scratch(6)
     limbs = chains.starts.size - 1
     for r in range(6):
@@ -97,7 +97,7 @@ def passive_moves(chains, inverse, D, qd):
 
 @lean
 def _change(first, second, i, j, weight, d):
-    """Write how column j of limb i of f' changes, from the end of the line to its start, (6,)."""
+    """Write the change (6,) of column j of limb i of f', from the end of the line to its start."""
     half = 0.0
     for r in range(3):
         w = 0.0
@@ -119,7 +119,7 @@ def _change(first, second, i, j, weight, d):
 
 @lean
 def _forget(inverse, i):
-    """Begin the sums of one limb."""
+    """Clear the sums of one limb."""
     for r in range(6):
         inverse.sums[i, r] = 0.0
     for k in range(inverse.rows.shape[1]):
@@ -128,7 +128,7 @@ def _forget(inverse, i):
 
 @lean
 def _add(chains, weights, inverse, i, d):
-    """Add up what M+ makes of a twist d (6,) of one limb, for itself and for others."""
+    """Add the effect of M+ on a twist d (6,) of one limb, for itself and for others."""
     t = scratch(6)
     G, H, sums, rows = inverse.G[i], inverse.H[i], inverse.sums[i], inverse.rows[i]
     for r in range(6):
@@ -149,7 +149,7 @@ def _add(chains, weights, inverse, i, d):
 
 @lean
 def _change_of_limb(chains, weights, first, second, inverse, i):
-    """Add up what M+ makes of the changes of all columns of one limb."""
+    """Add the effect of M+ on the changes of all columns of one limb."""
     d = scratch(6)
     _forget(inverse, i)
     s = chains.starts[i]
@@ -161,7 +161,7 @@ def _change_of_limb(chains, weights, first, second, inverse, i):
 
 @lean
 def _bend_of_limb(chains, weights, second, inverse, i):
-    """Add up what M+ makes of all second derivatives of f of one limb."""
+    """Add the effect of M+ on all second derivatives of f of one limb."""
     d, J = scratch(6), second.J[i]
     _forget(inverse, i)
     s, e = chains.starts[i], chains.starts[i + 1]
@@ -181,7 +181,7 @@ def _bend_of_limb(chains, weights, second, inverse, i):
 
 @lean
 def _write_bounds(chains, weights, v, D, inverse, i):
-    """Write what f of limb i can be between known places, and how far it and M change."""
+    """Write bounds of f of limb i between known points, and of its change and that of M."""
     path, count = 0.0, 0.0
     for j in range(chains.starts[i], chains.starts[i + 1]):
         path += abs(v[j, 0]) * weights[j]
@@ -230,7 +230,7 @@ def _worst(chains, weights, reach, inverse, which):
 
 @lean
 def _largest_sum(chains, weights, inverse):
-    """Bound the norm of M+ times what was added up of all limbs."""
+    """Bound the norm of M+ times the sums of all limbs."""
     limbs, largest = chains.starts.size - 1, 0.0
     for i in range(limbs):
         k = 0
@@ -269,7 +269,7 @@ def part_of_proof(chains, weights, reach, room, size):
     part = k + math.sqrt(4.0 * b * e)
     if part <= 1.0 or not k < 1.0:
         return part
-    # The derivatives themselves at the end of the line, which takes longer.
+    # The derivatives at the end of the line, which take longer.
     for i in range(limbs):
         _bend_of_limb(chains, weights, second, inverse, i)
     b = _largest_sum(chains, weights, inverse)

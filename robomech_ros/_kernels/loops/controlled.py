@@ -35,8 +35,8 @@ _call_close = linked(close)
 # Rate of a passive joint below which its dry friction no longer grows (rad/s, m/s).
 _CREEP = 1e-4
 
-# Of all joints: rates, accelerations without those of the drives and with them, torques, a posture,
-# zeros.  Of the drives: inertia, what settles their rates, torques asked and explained, and more.
+# For all joints: rates, accelerations without and with those of the drives, torques, a posture,
+# zeros.  For the drives: inertia, damping of their rates, torques asked and explained, and more.
 Work = namedtuple(
     "Work",
     "qd drift qdd tau trial none M P A b dry low high v asked effort explained before target"
@@ -85,7 +85,7 @@ def _shape(chains, q, rates, room, work):
 
 @lean
 def _explained(chains, q, gains, around, room, work, out):
-    """Write the efforts (m,) that accelerations of the drives (m,) take; return a status."""
+    """Write the efforts (m,) for accelerations of the drives (m,); return a status."""
     for j in range(q.size):
         total = work.drift[j]
         for a in range(gains.size):
@@ -136,7 +136,7 @@ def _command(chains, tables, mode, around, q, rates, wanted, room, work):
 
 @lean
 def _set_up(chains, tables, around, step, q, rates, room, work):
-    """Write what settles the rates at the end of a step; return a status."""
+    """Set up the equations of the rates at the end of a step; return a status."""
     m = rates.size
     status = _explained(chains, q, work.none[:m], around, room, work, work.explained)
     status |= write_inertia(chains, q, room.N, work.M, work.P, work.A)
@@ -164,7 +164,7 @@ def _set_up(chains, tables, around, step, q, rates, room, work):
 
 @lean
 def _observe(chains, tables, around, share, period, state, room, work):
-    """Learn a share of the efforts that the model does not explain, of the period from `before`.
+    """Learn a fraction of the unexplained efforts of the period from `before`.
 
     ``state`` has the rates at its end and what has been learned (2, m); the room and the posture
     (`trial`) are those at its beginning.
@@ -187,7 +187,7 @@ def _observe(chains, tables, around, share, period, state, room, work):
 
 @inline
 def _move(chains, weights, step, q, rates, work):
-    """Settle the rates and move by one step; return a status, where it is not 0, unmoved."""
+    """Solve for the rates and move by one step, unless the returned status is not 0."""
     if not settled_rates(work.A, work.b, work.dry, work.low, work.high, work.v, rates.size):
         return RUNS_AWAY
     work.trial[:] = q
@@ -205,7 +205,7 @@ def _move(chains, weights, step, q, rates, work):
 
 @lean
 def _slack(tables, drives, q, work):
-    """Write how far drives may still move to both sides."""
+    """Write the remaining travel of drives to both sides."""
     for j in range(drives.size):
         a = drives[j]
         if a >= 0:
@@ -216,7 +216,7 @@ def _slack(tables, drives, q, work):
 def servo_steps(
     packed, starts, drives, weights, models, tables, how, around, wanted, state, out, report
 ):
-    """Let a controller of the m drives move chains along what is wanted; return a status.
+    """Simulate a controller of the m drives along a desired motion; return a status.
 
     ``packed``, ``starts``, ``drives`` and ``weights`` are as for :func:`.closing.close`,
     ``models`` (2, n + limbs, 24) the chains that move, and those that the controller knows, as for

@@ -9,7 +9,7 @@ body of the first chain.  Angeles, Fundamentals of Robotic Mechanical Systems, 4
 ``model`` has the chains one after another, n_i + 1 rows each, as ``dynamics.layout`` says;
 ``starts``, ``drives`` and ``scale`` are those of :mod:`.factors`, and so is the status, or one of
 those below.
-Of what surrounds the chains, one row for all states or one for each, the wrench is on the platform.
+The surroundings have one row for all states or one for each; the wrench is on the platform.
 """
 
 import math
@@ -38,7 +38,7 @@ from robomech_ros._kernels.loops.factors import (
 NO_MASS, OPEN = 4, 5
 _OPEN = 1e-6
 
-# Factors, what solving needs, the complement and twists, and the unit matrix.
+# Factors, work space of the solver, the complement and twists, and the unit matrix.
 Room = namedtuple("Room", ("found", "D", "N", "t", "unit", "change", "own", "t_one"))
 
 
@@ -83,7 +83,7 @@ def write_rates(N, rates, qd):
 
 @lean
 def write_turning(chains, qd, V, room):
-    """Write what the turning of the axes does to columns V (n, c): ``d(J)/dt V`` of each chain."""
+    """Write the effect of turning axes on columns V (n, c): ``d(J)/dt V`` of each chain."""
     starts = chains.starts
     for i in range(starts.size - 1):
         s, e = starts[i], starts[i + 1]

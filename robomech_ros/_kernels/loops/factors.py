@@ -20,19 +20,19 @@ from robomech_ros._kernels.compiling.jit import inline, lean
 
 # Status: the drives do not hold the platform; joints of one limb move by themselves; no numbers.
 REGULAR, SINGULAR, FREE, NOT_FINITE = 0, 1, 2, 3
-# Least part of a column that is independent of those before it.
+# Least fraction of a column that is independent of those before it.
 _INDEPENDENT = 1e-10
 
 Chains = namedtuple("Chains", ("packed", "starts", "drives", "scale"))
 
-# Of each limb the Jacobian J (6, w), the pose T (4, 4), R (6, w) and Q' (6, 6); and what solving
+# For each limb the Jacobian J (6, w), the pose T (4, 4), R (6, w) and Q' (6, 6); and what solving
 # needs: A (6 limbs, 6) and B (6 limbs, c).
 Factors = namedtuple("Factors", ("J", "T", "R", "Q", "A", "B"))
 
 
 @lean
 def widest(starts):
-    """Return the number of joints of the limb that has most."""
+    """Return the largest number of joints of a limb."""
     n = 1
     for i in range(starts.size - 1):
         n = max(n, starts[i + 1] - starts[i])
@@ -228,7 +228,7 @@ def _passive(start, end, drives, R, Q, D, t, qd, width):
 
 @lean
 def loop_errors(T, scale, D):
-    """Write the twist (limbs, 6, 1) by which the end of each limb is off that of the first.
+    """Write the twist (limbs, 6, 1) from the first limb's end to the end of each limb.
 
     Angular first: sine of the angle along the axis, and m.  Returns the largest, lengths scaled.
     """

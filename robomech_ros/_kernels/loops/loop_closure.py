@@ -1,4 +1,4 @@
-"""Loops closed for new positions of the drives, from a posture near by, in the same mode.
+"""Closure of loops for new positions of the drives, from a posture nearby, in the same mode.
 
 The way of the drives is gone in steps, each of them proved to pass no singularity (see
 :mod:`.certificate`); near one they become shorter, down to nothing.  A step goes along the tangent
@@ -29,11 +29,11 @@ from robomech_ros._kernels.loops.factors import (
     solve,
 )
 
-# Status of a way that is too long.
+# Status of a path that is too long.
 LONG = 6
-# Longest tangent of a joint (rad; of the size): what is longer is not proved anyway.
+# Longest tangent of a joint (rad; of the size): longer ones are never proved.
 _LONGEST = 0.25
-# A move that changes nothing any more, and errors of loops that are closed (rad; of the size).
+# A negligible move, and loop errors of a closed posture (rad; of the size).
 _SETTLED, _CLOSED = 1e-13, 1e-12
 _ITERATIONS, _STEPS = 20, 3000
 # Least part of a way of 1 rad, after which a singularity is in it; and while little is gone, least
@@ -65,7 +65,7 @@ def _room(starts, dof):
 
 @lean
 def _reaches(chains, q, v, out):
-    """Write how far each limb reaches from its joints that turn to its end, scaled; at least 1."""
+    """Write the reach of each limb from its revolute joints to its end, scaled; at least 1."""
     for i in range(chains.starts.size - 1):
         s, e = chains.starts[i], chains.starts[i + 1]
         total, reach = 0.0, 0.0

@@ -65,7 +65,7 @@ def accelerations(packed, starts, drives, scale, q, qd, given, out, twists):
                 s, e = starts[i], starts[i + 1]
                 for j in range(n):
                     own[j] = qd[b, s + j] if j < e - s else 0.0
-                    # Of a narrower limb the columns behind its own are not used.
+                    # A narrower limb does not use the columns behind its own.
                     for r in range(6):
                         J[i, r, j] = J[i, r, j] if j < e - s else 0.0
                 rate_body(J[i], own, changes)

@@ -1,4 +1,4 @@
-"""Loops closed from far away by Newton's steps of limited size, the drives held: a search."""
+"""Search for closed loops from far away by limited Newton steps, with fixed drives."""
 
 import numpy as np
 
@@ -14,9 +14,9 @@ from robomech_ros._kernels.loops.factors import (
     solve,
 )
 
-# Largest step of a joint (rad; of the size), and how many.
+# Largest step of a joint (rad; of the size), and number of steps.
 _LARGEST, _ITERATIONS = 0.6, 60
-# A step that changes nothing any more, and errors of loops that are closed (rad; of the size).
+# A negligible step, and loop errors of a closed posture (rad; of the size).
 _SETTLED, _CLOSED = 1e-12, 1e-10
 
 

@@ -71,7 +71,7 @@ def delta_points(geometry, azimuths, q, points, report):
             a, b, c = u - x, v - y, w - z
         else:
             d, e, f = u - x, v - y, w - z
-    # Of the triangle of centres: squared sides, their product, and the normal.
+    # Triangle of centres: squared sides, their product, and the normal.
     one, two, mixed = a * a + b * b + c * c, d * d + e * e + f * f, a * d + b * e + c * f
     square = one * two - mixed * mixed
     if not square > _IN_LINE * _IN_LINE * max(one * two, 1e-4 * forearm**4):

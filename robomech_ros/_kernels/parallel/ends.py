@@ -16,7 +16,7 @@ _ONE = 1e-9
 _CONJUGATE, _NEARER = 1e-6, 0.1
 # The square of a distance is exact enough as a difference above this.
 _FAR = 1e-4
-# Where |x_0|^2 differs by more, two ends are farther apart than what is compared with _CONJUGATE.
+# If |x_0|^2 differs by more, two ends are too far apart for a comparison with _CONJUGATE.
 _APART = 1e-4
 
 

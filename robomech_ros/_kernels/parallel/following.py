@@ -47,7 +47,7 @@ def _bend(B, J, inverse, r, H):
         H[k, 7] = -(a[0] * b[1] + a[1] * b[0])
         H[k, 8] = -(a[1] * b[2] + a[2] * b[1])
         H[k, 9] = -(a[2] * b[0] + a[0] * b[2])
-    # Of the seventh equation: two blocks of ones.
+    # The seventh equation: two blocks of ones.
     total = 6.0
     for i in range(6):
         for j in range(13):

@@ -21,7 +21,7 @@ _TERM = 1e-3
 _RADIUS = 0.75
 # A step is taken where the first correction is less than this, and the second than that.
 _FIRST, _SECOND = 0.1, 1e-5
-# Where two paths meet they do so as the root of 1 - t: from here only the end is tried.
+# Two paths meet as the root of 1 - t: from here only the end is tried.
 _LAST = 1e-8
 _STEPS = 400
 _LEAST_STEP = 1e-11

@@ -24,7 +24,7 @@ _RADIUS = 0.6
 # Corrections of a step: the last must be this small.
 _CORRECTIONS = 4
 _SETTLED = 1e-10
-# Where two paths meet they do so as the root of 1 - t: from here only the end is tried.
+# Two paths meet as the root of 1 - t: from here only the end is tried.
 _LAST = 1e-8
 _STEPS = 3000
 _LEAST_STEP = 1e-13

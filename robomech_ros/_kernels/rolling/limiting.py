@@ -16,37 +16,37 @@ from robomech_ros._kernels.compiling.types import IN1, IN2, OUT2, i8
 # Rows of the axes: acceleration and deceleration forward, the same backward, jerk, and whether the
 # velocity goes through 0 only with the acceleration 0.
 FORTH_UP, FORTH_DOWN, BACK_UP, BACK_DOWN, JERK, STOPS = range(6)
-# Columns of pivots: place, rate per period, limits of the angle; what follows is state: the angle
+# Columns of pivots: position, rate per period, limits of the angle; then the state: the angle
 # and the direction of the wheel in the base.
 X, Y, TURN, LOWER, UPPER, ANGLE, COSINE, SINE = range(8)
 PIVOT_COLUMNS = 8
 
-# A limit may be passed by this part of itself: rounding of twists, seen through the period squared.
+# Allowed relative excess over a limit: rounding of twists over the period squared.
 _SLACK = 1e-11
-# Halvings that find how far the rest point can go, with and without steered wheels.
+# Halvings of the search for the move of the rest point, with and without steered wheels.
 _HALVINGS, _HALVINGS_STEERED = 48, 24
-# A rest point that gets no farther than this part of its way stands still.
+# A rest point that moves by less than this fraction of its path stands still.
 _STUCK = 1e-9
-# A pivot slower than this part of the twist keeps its direction; its square.
+# A pivot slower than this fraction of the twist keeps its direction; its square.
 _STILL = 1e-18
 # Angles this far beyond a limit (rad) are at it; directions this near (rad) are the same.
 _AT_LIMIT, _SAME = 1e-9, 1e-12
-# Rounding of what goes to zero, as a part of what it comes from.
+# Rounding of a value that goes to zero, relative to its start.
 _ROUNDING = 1e-15
-# Looking ahead ends with the acceleration, after so many periods at the latest.
+# Most periods of the look-ahead, which ends with the acceleration.
 _MOST_AHEAD = 100000
 
 
 @inline
 def _periods(way):
-    """How many periods' jerk an acceleration may be that covers a way, in jerk times period^2."""
+    """Return the acceleration, in jerk times period, for a distance in jerk times period^2."""
     whole = math.floor(0.5 * (math.sqrt(8.0 * way + 1.0) - 1.0))
     return (way + 0.5 * whole * (whole + 1.0)) / (whole + 1.0)
 
 
 @inline
 def _aim(v, a, target, axes, period, out):
-    """Write the acceleration with which to begin to a rest point; tell whether limits allow it."""
+    """Write the first acceleration towards a rest point; return whether limits allow it."""
     way = 0.0
     for i in range(3):
         way = max(way, abs(target[i] - v[i]) / (axes[JERK, i] * period * period))
@@ -70,7 +70,7 @@ def _aim(v, a, target, axes, period, out):
 
 @inline
 def _steer(pivots, v, new):
-    """Turn wheels to the direction in which their pivots move; tell whether they can in a period.
+    """Turn wheels to the direction of their pivots' motion; return whether a period suffices.
 
     ``new`` (s, 3) takes angle, cosine and sine.
     """
@@ -108,7 +108,7 @@ def _next_twist(v, a, target, axes, period, out):
 
 @inline
 def _steering_holds(v, a, target, axes, period, pivots, ahead, twist, gain):
-    """Tell whether wheels can follow from here on to the rest point, with the acceleration a."""
+    """Return whether wheels can follow up to the rest point, with the acceleration a."""
     for k in range(pivots.shape[0]):
         ahead[k, 0], ahead[k, 1], ahead[k, 2] = pivots[k, ANGLE], pivots[k, COSINE], pivots[k, SINE]
     for i in range(3):
@@ -125,7 +125,7 @@ def _steering_holds(v, a, target, axes, period, pivots, ahead, twist, gain):
 
 @inline
 def _aligned(pivots, command):
-    """Turn wheels at rest towards a command; tell whether they already were there."""
+    """Turn wheels at rest towards a command; return whether they were already there."""
     size = command[0] ** 2 + command[1] ** 2 + command[2] ** 2
     ready = True
     for k in range(pivots.shape[0]):
@@ -136,7 +136,7 @@ def _aligned(pivots, command):
         change = math.atan2(
             pivots[k, COSINE] * y - pivots[k, SINE] * x, pivots[k, COSINE] * x + pivots[k, SINE] * y
         )
-        # The same line, by the way that is nearer and within limits.
+        # The same line, in the nearer sense within limits.
         turned = pivots[k, ANGLE] + change
         best = math.inf
         for half in range(-2, 3):
@@ -166,7 +166,7 @@ def _towards(rest, goal, share, target):
 
 @inline
 def _largest_share(v, a, rest, goal, axes, period, pivots, work):
-    """Find how far of its way to a goal the rest point can go in this period."""
+    """Find the fraction of its path to a goal that the rest point can move in this period."""
     target, gain, ahead = work[0], work[1], work[4:]
     most = 1.0
     for i in range(3):
@@ -193,9 +193,9 @@ def _largest_share(v, a, rest, goal, axes, period, pivots, work):
 
 @inline
 def _stuck_for_good(v, a, rest, goal, axes, period, pivots, work):
-    """Tell whether steering keeps the rest point from going on even once the base is there.
+    """Return whether steering blocks the rest point even once the base is there.
 
-    What jerk forbids now, while an acceleration is taken away, it allows later.
+    While an acceleration is reduced, jerk may forbid now what it allows later.
     """
     later, room = scratch(50, PIVOT_COLUMNS)[: pivots.shape[0]], scratch(64, 3)[: work.shape[0]]
     gain, ahead = work[1], work[4:]
@@ -213,7 +213,7 @@ def _stuck_for_good(v, a, rest, goal, axes, period, pivots, work):
 
 @inline
 def _turned_round(v, goal, pivots):
-    """Tell whether a wheel would turn by more than a right angle from one twist to another.
+    """Return whether a wheel would turn by more than a right angle between two twists.
 
     It rolls the other way sooner, after a stop; straight through rest it does so without a turn.
     """

@@ -1,15 +1,15 @@
-"""Motions along a way of the joints, and whether the cubics between knots keep limits."""
+"""Motions along a path of the joints, and a check of the cubics between knots."""
 
 from robomech_ros._kernels.compiling.jit import kernel
 from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT2, i8
 
-# Of controllers: a step of an acceleration is a jerk of so long (s).
+# Duration (s) of the jerk of a controller's acceleration step.
 CYCLE = 2e-3
 
 
 @kernel(i8(IN1, IN2, IN2, IN1, IN1, OUT2, OUT2))
 def postures_on_path(nodes, postures, slopes, places, rates, q, v):
-    """Fill in where joints are on a way, and how fast they move, q and v (k, n).
+    """Write positions and rates q and v (k, n) of the joints on a path.
 
     ``nodes`` (s,) are places along the way, increasing, and ``postures`` and ``slopes`` (s, n)
     those of the joints there, and by place; a cubic leads from each to the next.  ``places`` and
@@ -38,7 +38,7 @@ def postures_on_path(nodes, postures, slopes, places, rates, q, v):
 
 @kernel(i8(IN1, IN2, IN2, IN2, IN2, IOUT1))
 def cubics_inside(widths, q, v, reached, limits, out):
-    """Tell whether cubics between knots keep limits: 0, or 1 for rates, 2 for ranges.
+    """Check that cubics between knots keep limits: 0, or 1 for rates, 2 for ranges.
 
     The control points of a cubic, and of its derivatives, bound it.  What ends with no velocity
     rests from then on.  ``widths`` (k - 1,) are times between knots (s), q and v (k, n) positions
@@ -55,7 +55,7 @@ def cubics_inside(widths, q, v, reached, limits, out):
             h, first, last = widths[k], v[k, j], v[k + 1, j]
             middle = 3.0 * (q[k + 1, j] - q[k, j]) / h - first - last
             start, end = 2.0 * (middle - first) / h, 2.0 * (last - middle) / h
-            # What changes at a knot counts as in a cycle of the controller.
+            # A change at a knot counts as one in a cycle of the controller.
             jerk, kink = (end - start) / h, (start - before) / CYCLE
             hardest = max(abs(jerk), abs(jerk + kink), abs(jerk_before + kink))
             before, jerk_before = end, jerk

@@ -196,7 +196,7 @@ def screws(rows, out):
             axis = x / sine, y / sine, z / sine
             way = dot(axis, p)
             angle = vector_of_quaternion(0.0, 0.0, sine, w)[2]
-            # What is left of p at right angles to the axis, then a quarter turn on.
+            # The component of p at right angles to the axis, then a quarter turn on.
             aside = cross(axis, p)
             across = cross(aside, axis)
             point = scaled(combined(across, aside, w / sine), 0.5)

@@ -24,10 +24,10 @@ EULER = 8
 
 # No rotation, or not finite: the caller finds out what is wrong.
 BAD_INPUT = 1
-# A half turn, for which the representation has no numbers.
+# A half turn, which the representation cannot express.
 HALF_TURN = 2
 
-# Squared length of what determines one of three angles, below which the other two are no longer
+# Squared length for one of three angles, below which the other two are no longer
 # told apart; to take the third as 0 turns by twice the root of it.
 _LOCKED = 5e-31
 # Scalars below this are those of half turns: what is divided by them overflows.
@@ -277,7 +277,7 @@ def _write_euler_angles(kind, x, y, z, w, out, row):
             2.0 * (w * at_j + at_i * at_other), math.sqrt(differing) * math.sqrt(summed)
         )
     half_difference, half_sum = angle_of(b + 0.0, a + 0.0), angle_of(d + 0.0, c + 0.0)
-    # Where the outer axes are parallel only one of them is determined; the third angle is 0, and
+    # If the outer axes are parallel only one of them is determined; the third angle is 0, and
     # of fixed axes the third is the first here.
     sign = -1.0 if fixed else 1.0
     if differing < _LOCKED:

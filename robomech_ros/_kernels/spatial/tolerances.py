@@ -1,4 +1,4 @@
-"""Tolerances of rotations that the kernels share with those who check what comes from outside."""
+"""Tolerances of rotations, for kernels and for checks of input."""
 
 # Deviation of a quaternion's norm from 1 that is taken for rounding: messages written by hand
 # carry four digits or more.

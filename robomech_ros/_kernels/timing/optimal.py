@@ -14,9 +14,9 @@ from robomech_ros._kernels.compiling.jit import inline, kernel
 from robomech_ros._kernels.compiling.types import IIN1, IN1, IN2, IOUT1, OUT1, f8, i8
 from robomech_ros._kernels.timing.planar_program import ROW_SLACK, farthest
 
-# What the passes end with.
+# Results of the passes.
 DONE, BLOCKED, STALLED = 0, 1, 2
-# A row this near to its bound counts as binding.
+# Largest distance of a binding row from its bound.
 _BINDING = 0.999
 
 
@@ -37,7 +37,7 @@ def _next(first, second, rest, x, lowest, highest):
                 high = (-1.0 - value) / slope
             if value + slope * low > 1.0 + ROW_SLACK:
                 low = (1.0 - value) / slope
-    # Only rounding makes the range empty.
+    # The range is empty only by rounding.
     found = high if high >= low else 0.5 * (low + high)
     return max(lowest, min(highest, found))
 
@@ -53,7 +53,7 @@ def _scaled_down(first, second, x, y):
 
 @inline
 def _find_ranges(first, second, rest, order, bounds, end, lowest, highest, where):
-    """Fill the ranges of x from which the end can be reached; False where there is none."""
+    """Fill the ranges of x that can still reach the end; False if there is none."""
     cells = first.shape[0]
     drift = rest.shape[0] == cells
     lowest[cells] = min(max(end, 0.0), bounds[cells])
@@ -116,7 +116,7 @@ def speed_profile(first, second, rest, bounds, begin, end, lowest, highest, x, w
 
 @kernel(i8(IN2, IN2, IN2, IN1, IN1, IIN1, IOUT1))
 def binding_rows(first, second, rest, bounds, x, owners, binding):
-    """Find what binds in each cell.
+    """Find the binding quantity of each cell.
 
     The first five arguments are as for `speed_profile`; ``owners`` (r,) say to which quantity each
     row belongs, counted from 1.  ``binding`` (m,) is filled with the number of the quantity and

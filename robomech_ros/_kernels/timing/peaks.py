@@ -21,9 +21,9 @@ from robomech_ros._kernels.compiling.types import IN1, IN2, IN3, OUT2, b1, f8, i
 # Peaks between samples are located to this part of the largest Bernstein coefficient.
 PEAK_ACCURACY = 1e-11
 
-# Each halving narrows the hull four times; what is left after these is far below any tolerance.
+# Most halvings: each narrows the hull four times, far below any tolerance.
 _HALVINGS = 24
-# Intervals looked at in one piece at most; a polynomial with three extremes needs a hundred.
+# Most intervals in one piece; a polynomial with three extremes needs a hundred.
 _MOST = 2000
 # Derivative d of x^(i + d) is _FACTORS[d, i] x^i.
 _FACTORS = np.array([[float(math.perm(i + d, d)) for i in range(10)] for d in range(4)])
@@ -163,7 +163,7 @@ def piece_extremes(breaks, coefficients, slack, low, high, steps, ends):
 def within_bounds(
     low, high, steps, lower, upper, limits, tolerances, allowed, slack, step_slack, ratios
 ):
-    """Judge what `piece_extremes` has found of position and three rates.
+    """Check the result of `piece_extremes` for position and three rates.
 
     Positions may be from ``lower`` to ``upper`` (n,), and outside by ``slack``.  Filled are
     ``ratios`` (3, n) of the rates to their ``limits`` (3, n), which may be as large as

@@ -81,7 +81,7 @@ def total_time(spans, thetas, x):
 
 @kernel(i8(IN3, IN1, IN1, IN1, IN1, f8, IOUT1))
 def piece_counts(local, spans, thetas, x, scales, accuracy, counts):
-    """Count the pieces that each cell needs for the accelerations between them to be right.
+    """Count the pieces of each cell for accurate accelerations in between.
 
     ``local`` (m, n, d + 1) is the path in each cell, in powers of the coordinate since its
     beginning, ``spans`` and ``thetas`` (m,) are length and bend of each cell, x (m + 1,) the

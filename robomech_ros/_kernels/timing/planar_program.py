@@ -16,7 +16,7 @@ from robomech_ros._kernels.compiling.jit import inline
 ROW_SLACK = 1e-10
 
 
-# By how much a line may seem beyond another one, parallel to it, that it coincides with.
+# Rounding of the distance of two lines that coincide.
 _BESIDE = 1e-9
 # A row along the line of another one is parallel to it where no larger part of its coefficients is
 # left: rounding is less, and lines of the shortest cells that cross differ by more.
@@ -42,7 +42,7 @@ def _along(first, second, rest, order, rows, offset, slope, box):
             rise, value, steep = slope, offset, abs(slope) > 1e-12
             below, above = box[2] - offset, box[3] - offset
         if not steep:
-            # A line beside this one: only rounding puts it on the wrong side.
+            # A parallel line: it is on the wrong side only by rounding.
             if max(below, -above) <= _BESIDE * (1.0 + abs(value)):
                 continue
             # One further off is met where the box is long enough for the little that is left.

@@ -109,6 +109,6 @@ def quintic_pieces(times, positions, velocities, accelerations, coefficients, do
             coefficients[3, k, j], coefficients[4, k, j], coefficients[5, k, j] = upper
             for order in range(4):
                 doubts[order, k, j] = bounds[order]
-            # A number that is not finite leaves none in its place.
+            # Any number that is not finite spreads to the whole result.
             total += 0.0 * coefficients[5, k, j]
     return total == 0.0

@@ -1,16 +1,16 @@
-"""How the speed along a path bends within the cells, and where it switches between two bounds."""
+"""Curvature of the speed along a path within the cells, and its switches between two bounds."""
 
 import math
 
 from robomech_ros._kernels.compiling.jit import inline, kernel
 from robomech_ros._kernels.compiling.types import IIN1, IN1, OUT1, f8, i8
 
-# Most parts into which a cell is divided at once.
+# Most parts of a cell in one division.
 PARTS = 4
 
 # Largest bend: x stays positive, and nearly linear.
 _LARGEST = 0.5
-# A switch nearer to a node than this part of the cell counts as at the node.
+# Distance of a switch at a node, as a fraction of the cell.
 _AT_NODE = 1e-3
 
 
@@ -81,7 +81,7 @@ def _meeting(x, spans, binding, k):
 
 @inline
 def _loss(x, spans, thetas, k):
-    """Estimate what the change of the slope through both cells at node k, 0 < k < m, costs."""
+    """Estimate the cost of the change of slope through both cells at node k, 0 < k < m."""
     left, right = spans[k - 1], spans[k]
     begin = (x[k] - x[k - 1]) / left + 0.5 * thetas[k - 1] * (x[k] + x[k - 1]) / left
     end = (x[k + 1] - x[k]) / right - 0.5 * thetas[k] * (x[k + 1] + x[k]) / right

@@ -1,4 +1,4 @@
-"""Moves of all joints together: whether both ends are allowed, and how short they can be."""
+"""Moves of all joints together: check of both ends, and shortest duration."""
 
 import math
 
@@ -8,7 +8,7 @@ from robomech_ros._kernels.compiling.types import IN1, IN2, f8, i8
 
 @kernel(i8(IN1, IN1, IN2))
 def both_within(start, goal, ranges):
-    """Tell whether two positions (n,) are within ``ranges`` (2, n): 1 for yes, 0 for no or NaN."""
+    """Return 1 if two positions (n,) are within ``ranges`` (2, n), 0 if not or for NaN."""
     for j in range(start.shape[0]):
         low, high = ranges[0, j], ranges[1, j]
         if not (low <= start[j] <= high and low <= goal[j] <= high):

@@ -29,16 +29,16 @@ from robomech_ros._kernels.compiling.types import IN1, IN2, IN3, OUT1, OUT2, b1,
 from robomech_ros._kernels.walking.legs import FOLLOWED, follow_foot
 from robomech_ros._kernels.walking.support import signed_margin
 
-# There is room for so many feet.
+# Most feet.
 MOST_LEGS = 16
 _AT_PLACE = 1e-6
-# Parts of a swing between which the place where the foot will land becomes fixed.
+# Fractions of a swing between which the landing position becomes fixed.
 _FREE, _FIXED = 0.5, 0.8
-# Time (s) with which landing places follow the twist.
+# Time constant (s) of landing positions after the twist.
 _FOLLOWING = 0.05
-# Part of the radius that landing places use.
+# Fraction of the radius for landing positions.
 LANDING = 0.95
-# Part of the radius in which feet are to stay by what lies ahead.
+# Fraction of the radius that is planned ahead for the feet.
 _INNER = 0.999
 
 
@@ -88,7 +88,7 @@ _SEEN = types.NamedTuple((OUT2, OUT2, OUT1), StepReport)
 
 @lean
 def _smooth(part):
-    """Go from 0 to 1 with rates and second rates zero at both ends."""
+    """Interpolate from 0 to 1 with first and second derivatives zero at both ends."""
     return part * part * part * (10.0 + part * (6.0 * part - 15.0))
 
 
@@ -115,7 +115,7 @@ def _along(x, y, yaw, w, vx, vy, time):
 
 @kernel(f8(_PATTERN, IN1))
 def sustained_part(pattern, twist):
-    """Return the part of a twist with which all strides fit into the circles of the feet."""
+    """Return the fraction of a twist whose strides fit into the circles of the feet."""
     geometry, settings = pattern
     half, longest = 0.5 * settings[1] * settings[0], LANDING * settings[3]
     part = 1.0
@@ -129,7 +129,7 @@ def sustained_part(pattern, twist):
 
 @kernel(f8(_PATTERN, _OLD, IN1, f8, b1))
 def possible_part(pattern, state, twist, period, ahead):
-    """Return the part of a twist with which no foot leaves its circle before it is lifted.
+    """Return the fraction of a twist that keeps every foot in its circle until it is lifted.
 
     Those count that stand and those that land in the coming period; with ``ahead`` all that are in
     the air, too, each for its whole stance where it would land by now, in circles a little smaller:
@@ -167,7 +167,7 @@ def possible_part(pattern, state, twist, period, ahead):
 
 @lean
 def _sway(geometry, settings, body, feet, wants):
-    """Move the sway of the trunk towards where the next leg can be lifted; say which may be."""
+    """Move the sway of the trunk towards a lift of the next leg; return which may be lifted."""
     length, duty = settings[4], settings[1]
     for k in range(geometry.shape[0]):
         lift = duty - geometry[k, 2]
@@ -197,7 +197,7 @@ def _at_place(geometry, body, feet, k):
 
 @lean
 def _landing(geometry, settings, body, k):
-    """Return where a foot should land beside its place: half of its way on the ground ahead."""
+    """Return the landing offset of a foot: half of its path on the ground ahead."""
     radius, half = settings[3], 0.5 * settings[1] * settings[0]
     ox = half * (body[13] - body[12] * geometry[k, 1])
     oy = half * (body[14] + body[12] * geometry[k, 0])
@@ -209,7 +209,7 @@ def _landing(geometry, settings, body, k):
 
 @lean
 def _swing(geometry, settings, body, time, feet, k, phase):
-    """Move a foot in the air, its landing place told by the twist until it becomes fixed."""
+    """Move a foot in the air; the twist sets its landing position until it becomes fixed."""
     cycle, duty = settings[0], settings[1]
     w, vx, vy = body[12], body[13], body[14]
     nx, ny = geometry[k, 0], geometry[k, 1]
@@ -265,7 +265,7 @@ def _feet_on(geometry, settings, old, body, twist, time, feet):
 
 @kernel(i8(IN3, IN3, _PATTERN, _STEP, _OLD, _NEW, _SEEN))
 def advance(packed, limits, pattern, step, old, new, seen):
-    """Go on by a step from a state to a new one; gives -1, or the leg that cannot reach."""
+    """Advance a state by a step; return -1, or the leg that cannot reach."""
     geometry, settings = pattern
     twist, pose, time, period = step
     body, feet, q = new

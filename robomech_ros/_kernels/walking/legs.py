@@ -1,4 +1,4 @@
-"""The joints of a leg of three joints for a place of its foot, followed from a posture nearby."""
+"""Joints of a leg of three joints for a foot position, from a posture nearby."""
 
 import math
 
@@ -9,17 +9,17 @@ from robomech_ros._kernels.spatial.vectors import cramer, lower, scaled
 
 FOLLOWED = 0
 LOST = 1
-# Error of a foot (m) that rounding leaves.
+# Rounding error of a foot (m).
 CLOSED = 1e-13
 _STEPS = 30
-# Largest turn of one step (rad), and a determinant (m^3) that is none.
+# Largest rotation of one step (rad), and largest determinant (m^3) that counts as zero.
 _FARTHEST = 0.3
 _SINGULAR = 1e-12
 
 
 @lean
 def follow_foot(packed, x, y, z, q, J, T):
-    """Move q (3), where the foot is near (x, y, z) in the trunk, until it is there.
+    """Move q (3), with the foot near (x, y, z) in the trunk, until it is there.
 
     J (6, 3) and T (4, 4) are working space.  Gives FOLLOWED, or LOST where the foot cannot come
     closer.
@@ -49,9 +49,9 @@ def follow_foot(packed, x, y, z, q, J, T):
 
 @kernel(i8(IN3, IN2, OUT2))
 def follow_feet(packed, feet, q):
-    """Move q (legs, 3) until the feet are at the places (legs, 3) in the trunk.
+    """Move q (legs, 3) until the feet are at the positions (legs, 3) in the trunk.
 
-    Gives -1, or the first leg whose foot cannot get there.
+    Returns -1, or the first leg whose foot cannot get there.
     """
     J, T = scratch(6, 3), scratch(4, 4)
     for leg in range(feet.shape[0]):

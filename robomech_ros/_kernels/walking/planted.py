@@ -16,7 +16,7 @@ from robomech_ros._kernels.spatial.vectors import combined, cross, lower, mixed
 
 # A standing leg may be singular; its singular values decide.
 DOUBTFUL = 1
-# Part of the greatest singular value below which one is zero.
+# Least singular value that is not zero, relative to the greatest.
 ZERO = 1e-9
 
 _inverse, _mass = linked(floating_inverse), linked(floating_mass)
@@ -24,7 +24,7 @@ _inverse, _mass = linked(floating_inverse), linked(floating_mass)
 
 @lean
 def _is_regular(J, A):
-    """Tell whether the lower half of J (6, 3), with factors A, is certainly regular.
+    """Return whether the lower half of J (6, 3), with factors A, is certainly regular.
 
     Its determinant is the product of the singular values, none above the root of their squares.
     """
@@ -48,7 +48,7 @@ def _negative_contact_rows(foot, rows):
 
 @lean
 def _plant(packed, q, w, rows, rates, drift):
-    """Write rows (3, 6) of N, rates and drift (3,) of a leg whose foot stands still."""
+    """Write rows (3, 6) of N, rates and drift (3,) of a standing leg."""
     J, T, changes = scratch(6, 3), scratch(4, 4), scratch(6, 3)
     A, order = scratch(3, 3), scratch_integers(3)
     if jacobian_body(packed, q, J, T) != OK:
@@ -102,7 +102,7 @@ def planted_legs(packed, q, stands, w, N, motion):
 
 @lean
 def _add_transposed_product(A, B, out):
-    """Add A^T B to out; zeros of A, of which there are many, cost nothing."""
+    """Add A^T B to out; the many zeros of A cost nothing."""
     for k in range(A.shape[0]):
         for i in range(A.shape[1]):
             factor = A[k, i]

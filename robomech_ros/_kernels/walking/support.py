@@ -21,7 +21,7 @@ def _to_segment(px, py, ax, ay, bx, by):
 def signed_margin(px, py, feet, count):
     """Distance of (px, py) to the border of the hull of the first rows of feet: inside positive.
 
-    Of feet on one line, which have no inside, it is minus the distance to the segment.  Every
+    For feet on one line, which have no inside, it is minus the distance to the segment.  Every
     directed pair of feet with no foot to its right is an edge.
     """
     outside = math.inf

@@ -174,7 +174,7 @@ def _improve_arm(data, arm, c, J, e, error):
 
 @lean
 def is_among(data, posture, others, apart):
-    """Tell whether the joints of a posture, all or the first three, begin a row of ``others``."""
+    """Return whether the joints of a posture, all or the first three, begin a row of ``others``."""
     for i in range(others.shape[0]):
         same = True
         for j in range(posture.shape[0]):

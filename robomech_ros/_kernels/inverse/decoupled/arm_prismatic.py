@@ -49,7 +49,7 @@ def _back(data, k, x, y, z):
 
 @lean
 def _slide_and_angle(data, beta, gamma, delta, kappa, seed, roots):
-    """Find the angles z at which a slide x satisfies two equations.
+    """Find the angles z for which a slide x satisfies two equations.
 
     They are x^2 + 2 beta x + gamma = 0 and kappa x + delta = 0, the forms beta, gamma and delta a
     constant, a cosine and a sine part each: with h = x + beta, kappa h = kappa beta - delta and

@@ -74,7 +74,7 @@ def squared_length(u, v, w):
 def turn_to(fx, fy, tx, ty, seed):
     """Cosine and sine of the angle about z that takes the direction of (fx, fy) to (tx, ty).
 
-    Where one of the two has no direction every angle does: then those of ``seed``, and True.
+    If one of the two has no direction, every angle is a solution: then those of ``seed``, and True.
     """
     if fx * fx + fy * fy <= ON_AXIS * ON_AXIS or tx * tx + ty * ty <= ON_AXIS * ON_AXIS:
         return math.cos(seed), math.sin(seed), True
@@ -86,7 +86,7 @@ def turn_to(fx, fy, tx, ty, seed):
 
 @lean
 def third_angle(data, split, e, room, eta, seed, roots):
-    """Solve E = eta h, h^2 = H for the angle z of which E and H are functions.
+    """Solve E(z) = eta h, h^2 = H(z) for the angle z.
 
     E is of first, H of second order; with ``split`` the first equation is E = 0.  Rows
     [cos z, sin z] go to ``roots`` (7, 2).  Returns how many, and whether z is free (``seed``).

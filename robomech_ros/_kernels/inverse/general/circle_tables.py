@@ -12,7 +12,7 @@ ORDER = 8
 DEGREE = 2 * ORDER
 SAMPLES = 2 * ORDER + 1
 ARCS = 8
-# Away from multiples of 45 degrees, where postures like to be.
+# Away from multiples of 45 degrees, which are common postures.
 _FIRST_CENTRE = 0.2345
 
 _angles = 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES

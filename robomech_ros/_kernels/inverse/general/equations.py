@@ -7,7 +7,7 @@ equations, linear in the products of one cosine, sine or 1 of every joint.
 
 Seen from axis 2, x and y of the four vectors only turn under joint 2, so their complex numbers
 x + i y obey four linear equations in three unknowns; z of them and the two products do not see
-joint 2, six equations in cosine and sine of joint 1.  What is orthogonal to these unknowns are
+joint 2, six equations in cosine and sine of joint 1.  Orthogonal to these unknowns are
 one complex and four real equations for the other three joints.
 
 References
@@ -26,7 +26,7 @@ from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, OUT2, f8, i8
 from robomech_ros._kernels.inverse.general import layout as at
 from robomech_ros._kernels.spatial.vectors import rotated
 
-# A pivot below this (of the first) is zero: there is nothing left to eliminate.
+# A pivot below this (of the first) is zero: the elimination is complete.
 GENERAL_RANK = 1e-13
 
 _HALF_ROOT = math.sqrt(0.75)
@@ -180,7 +180,7 @@ def demanded(data, T, pose, back):
 def right_side(before, behind, slides, X, V):
     """Write the fourteen quantities in front of joint 2: cosine, sine and constant part in joint 1.
 
-    Where joint 1 ``slides`` these are the parts of its square, itself and 1.  ``before`` (12,) is
+    If joint 1 ``slides`` these are the parts of its square, itself and 1.  ``before`` (12,) is
     the inverse of the link before joint 1, ``behind`` that of the one behind it; X (14, 3), and V
     (3, 14) is working space.  Three values of joint 1 tell all.
     """
@@ -354,7 +354,7 @@ def free_equations(K, X, slide, E):
 
     ``slide`` is the part that a slide plays, -1 where there is none.
 
-    Returns how independent the eliminated unknowns are, 1 at best.  Where they depend on each
+    Returns how independent the eliminated unknowns are, 1 at best.  If they depend on each
     other the equations are right all the same, but more could be had.
     """
     W = np.empty((6, at.N_COLUMNS))

@@ -51,9 +51,9 @@ GENERAL_SAMPLINGS = 16
 CLUSTER_GAP = 100.0
 # Least of the same where the cluster is narrower than rounding lets a pivot be.
 CLUSTER_LEAST_GAP = 1e-6
-# Widest cluster (rad) of which that can be told; a fold's is some 1e-5.
+# Widest cluster (rad) for that test; a fold's is some 1e-5.
 CLUSTER_WIDTH = 5e-5
-# Below this pivot (of the first) two postures are looked for.
+# Below this pivot (of the first) two postures are sought.
 CLUSTER_PENCIL = 5e-2
 # Newton steps for a posture from a simple zero.
 GENERAL_STEPS = 12
@@ -223,7 +223,7 @@ def _enter_cluster(data, T, closure, matrices, low, high, vectors, order, trial,
     hidden = low + 0.5 * width
     S = _matrix(matrices, hidden)
     found, first, end, proven = _cluster_vectors(width, S, vectors, order)
-    # With a slide some of the zeros may be at infinity, of which the matrix tells nothing.
+    # With a slide some zeros may be at infinity, where the matrix shows nothing.
     proven = proven and closure[0][at.SLIDE] < 0.0
     regular = False
     for i in range(found):
@@ -278,7 +278,7 @@ def _enter_free(data, T, closure, matrices, roots, zeros, vectors, order, trial,
 
 @inline
 def _collect_loose(closure, matrices, places, zeros, vectors, order, state, loose):
-    """Write postures at which the determinant only comes near zero to ``loose``."""
+    """Write postures where the determinant only comes near zero to ``loose``."""
     for k in range(zeros):
         S = _matrix(matrices, places[k])
         found, _, _, _ = _cluster_vectors(0.0, S, vectors, order)

@@ -35,7 +35,7 @@ BEFORE = 11  # 3x4: inverse of the link before FIRST
 BEHIND = 23  # 3x4: inverse of the link behind it
 LINKS = 35  # four times 3x4: the links behind SECOND, HIDDEN, THIRD and FOURTH
 EQUATIONS = 83  # 14 x 3 x 9: cosine, sine and constant part in HIDDEN, monomials of the next two
-# What depends on the target is left open until there is one: EQUATIONS, too, unless it is next to
+# Entries that depend on the target stay open until it is known: EQUATIONS, too, unless next to
 # joint FIRST.
 N_EQUATIONS = 14
 N_COLUMNS = 27

@@ -1,4 +1,4 @@
-"""Which solutions of a six-joint arm are simple, or two that have become one at a fold.
+"""Detection of solutions of a six-joint arm that are simple, or two in one at a fold.
 
 At a posture q where the Jacobian J has lost one rank, with J v = 0 and u J = 0, the pose goes on
 along v as ``u . J(q + t v) v``, which is zero for t = 0.  If its slope there is not zero, two
@@ -18,9 +18,9 @@ from robomech_ros._kernels.tolerances import GENERAL_CORANK
 # away, in the direction that it lacks, by this (per half a square of the step) where two solutions
 # have become one and no more: above what rounding leaves of zero.
 FOLD_LEAST = 1e-7
-# The step (rad) over which that is seen.
+# The step (rad) of that test.
 FOLD_STEP = 1e-4
-# At a fold the last pivot but one must be this much of what the last one must be elsewhere.
+# Least last pivot but one at a fold, relative to the least last pivot elsewhere.
 FOLD_RANK = 0.1
 
 
@@ -62,7 +62,7 @@ def _slope(packed, size, q, u, v, J, pose):
 
 @part(b1(IN2, f8, IN2, IIN1, i8, i8, f8, f8))
 def all_simple(packed, size, q, marks, asked, count, least, sharp):
-    """Tell whether each of the first ``count`` solutions q (16, 6) is regular, or a fold.
+    """Return whether each of the first ``count`` solutions q (16, 6) is regular, or a fold.
 
     Regular are those whose Jacobian's last pivot is above ``least`` (of the first), with lengths
     over the size (m).  At a fold the slope is above ``sharp``.  Only solutions with a bit of

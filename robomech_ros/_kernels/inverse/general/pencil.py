@@ -63,7 +63,7 @@ def _restricted(equation, u, v):
 
 @inline
 def _violation(u, v, a, b):
-    """How far a u + b v (a unit vector) is from a product."""
+    """Return the distance of a u + b v (a unit vector) from a product."""
     worst = 0.0
     for k in range(6):
         p, h, r = _restricted(_EQUATIONS[k], u, v)

@@ -18,7 +18,7 @@ def half_angles(x, slide):
     """Values of joints THIRD and FOURTH from a null vector x (6,).
 
     It holds ``s c (s, c)`` of the first half angle times ``(s s, sqrt(2) s c, c c)`` of the other.
-    Of the joint that is a ``slide`` the value takes the place of the tangent s / c.
+    For the joint that is a ``slide`` the value replaces the tangent s / c.
     """
     first, second, product = 0.0, 0.0, 0.0
     for j in range(3):

@@ -61,7 +61,7 @@ GENERAL_HALVINGS = 600
 
 MAX_ROOTS = 48
 _DEPTH = 64
-# What one rounding of a value can do to a Bernstein coefficient: from the samples all round, and
+# Effect of one rounding of a value on a Bernstein coefficient: from the samples all round, and
 # from those on an interval after 0, 1, 2 ... halvings.
 _FROM_CIRCLE = 15.0
 _FROM_INTERVAL = (4.7e4, 102.0, 8.0, 3.1, 2.8)

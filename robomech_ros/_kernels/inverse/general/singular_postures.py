@@ -1,6 +1,6 @@
 """Singular postures of a six-joint arm: how to get there, and whether joints can move on.
 
-Where m solutions have become one, Newton steps shrink by the factor 1 - 1/m only, all in the same
+If m solutions have become one, Newton steps shrink by the factor 1 - 1/m only, all in the same
 direction, and the error may grow on the way.  So the error is not asked to sink at every step, and
 steps that have settled to such a sequence are summed up.
 
@@ -51,7 +51,7 @@ CONTINUUM_KEPT = 3e-2
 CONTINUUM_FAR_STEP = 0.3
 CONTINUUM_FAR_KEPT = 6e-2
 
-# Directions in a pencil that are tried for a continuum.
+# Number of directions in a pencil tried for a continuum.
 _DIRECTIONS = 4
 
 
@@ -69,7 +69,7 @@ def distance(data, a, b):
 
 @inline
 def _unit(data, j):
-    """Return what joint j moves by a step of 1: 1 rad, or the size (m)."""
+    """Return the motion of joint j in a step of 1: 1 rad, or the size (m)."""
     return 1.0 if data[at.PACKED + 13 * j] == 0.0 else data[at.SIZE]
 
 
@@ -197,7 +197,7 @@ def settle(data, T, q, calm):
             whole = False
         for i in range(6):
             x[i] += scale * step[i] * _unit(data, i)
-            # Only whole steps tell how they shrink.
+            # Only whole steps show the rate of shrinking.
             last[i] = step[i] if whole else 0.0
     return remaining
 
@@ -227,7 +227,7 @@ def regularity(data, packed, q, u, v):
 
 @inline
 def is_between(data, T, p, q, trial):
-    """Tell whether there is a posture about halfway from p (6,) to q (6,), too."""
+    """Return whether there is also a posture about halfway from p (6,) to q (6,)."""
     for j in range(6):
         difference = q[j] - p[j]
         if data[at.PACKED + 13 * j] == 0.0:
@@ -254,7 +254,7 @@ def _moved_on(data, T, q, direction, length, trial):
 
 @inline
 def _goes_on(data, T, q, direction, step, kept, trial):
-    """Tell whether steps of a length and of half of it (rad) end on a continuum through q."""
+    """Return whether steps of a length and of half of it (rad) end on a continuum through q."""
     far = _moved_on(data, T, q, direction, step, trial)
     if far < kept:
         return False
@@ -264,7 +264,7 @@ def _goes_on(data, T, q, direction, step, kept, trial):
 
 @part(b1(IN1, IN2, IN1, OUT1, OUT1, f8))
 def is_in_continuum(data, T, q, u, v, fifth):
-    """Tell whether the joints can move on from a singular posture q (6,) while the tip stays.
+    """Return whether the joints can move on from a singular posture q (6,) while the tip stays.
 
     u, v and ``fifth`` are those of :func:`regularity`.  From a place beside an isolated posture,
     of whatever multiplicity, one settles back to it; on a continuum one stays, at half the step

@@ -47,7 +47,7 @@ GENERAL_VOID = 1e3
 # Below this (of squares of sines) the axes about which two joints turn line up, for another form to
 # be asked.
 SLIDES_REGULAR = 1e-8
-# Where the discriminant of joint c (absolute) is not below this negative value, the rounding of a
+# If the discriminant of joint c (absolute) is not below this negative value, the rounding of a
 # simple zero may have made it negative.
 SLIDES_BRANCH = 1e-6
 # Above this discriminant (relative) two postures are more than SAME_POSTURE apart, and its rounding
@@ -91,7 +91,7 @@ def _evaluate(data, form, loop, between, cosine, sine, M, turns, way, slides):
         other = triple(way, slides[0], slides[1])
         length = max(length, abs(way[0]) + abs(way[1]) + abs(way[2]))
     apart = (1.0 - M[8]) * (1.0 + M[8])
-    # Where axis c nearly lines up with the one before or behind it, its angle is less certain.
+    # If axis c is nearly parallel to a neighbour, its angle is less certain.
     others = length * (abs(first) + abs(other)) / math.sqrt(square)
     return (first * other).real * apart, others, apart
 
@@ -124,7 +124,7 @@ def _shortest(slides, way, used, values):
 
 @inline
 def _enter(data, form, cosine, sine, turns, way, slides, trial):
-    """Write the joint values of a posture to trial (6,), real parts of what there is."""
+    """Write the joint values of a posture to trial (6,), the real parts of complex ones."""
     two = data[at.SLIDES] == 2.0
     values = np.empty(3)
     _shortest(slides, way, 2 if two else 3, values)
@@ -163,7 +163,7 @@ def _transformed(values, order, shape):
 def _hidden_values(data, form, loop, between, seed, roots, M, turns, way, slides):
     """Write the values of joint a in all postures; return how many, if these are all, and if void.
 
-    Where g vanishes all round, joint a may be free; then the seed's value and others are given.
+    If g vanishes all round, joint a may be free; then the seed's value and others are used.
     """
     values = np.empty(SAMPLES)
     factors = np.empty(SAMPLES)
@@ -200,7 +200,7 @@ def _hidden_values(data, form, loop, between, seed, roots, M, turns, way, slides
 
 @inline
 def _is_complex(between, hidden, M):
-    """Tell whether joint c has no real value for a value of joint a."""
+    """Return whether joint c has no real value for a value of joint a."""
     demanded_turn(between, math.cos(hidden), math.sin(hidden), M)
     k, c, s = middle(between, M)
     return c * c + s * s - k * k < -SLIDES_REGULAR
@@ -235,7 +235,7 @@ def _better(data, form, loop, between, cosine, sine, M, turns, way, slides, tria
         return 0, False
     sign, least = 1.0, math.inf
     for number in range(3):
-        # The better one is the last that is looked at.
+        # The better one is the last.
         p, q = root(k, c, s, sign if number == 2 else 1.0 - 2.0 * number)
         turns_of(between, M, p, q, turns)
         round_loop(data, form, loop, turns, way, slides)
@@ -302,7 +302,7 @@ def slide_postures(data, form, back, seed, trials):
     for k in range(zeros):
         low, high = roots[k, 0], roots[k, 1]
         if 0.0 < high - low < SLIDES_WIDTH:
-            # Where c is not real, g is a square but for a positive factor: no zero is simple.
+            # If c is not real, g is a square but for a positive factor: no zero is simple.
             if _is_complex(between, low, M) and _is_complex(between, high, M):
                 continue
         clean = clean and low == high and count < MAX_TRIALS

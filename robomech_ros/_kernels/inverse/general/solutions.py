@@ -4,7 +4,7 @@ The forms of the arm are tried, the best first, until one is clean: its eliminat
 its determinant is well above rounding, and each zero, or crowd of zeros, has led to all postures
 that belong to it.  Then the list is complete.
 
-Where links line up or stand square, that may fail for every form.  Then the pose is nudged, back
+If links line up or stand square, that may fail for every form.  Then the pose is nudged, back
 and forth, to neighbours that are solved cleanly, and their solutions settle back.  Where the
 Jacobian is regular a solution has one beside it for every pose nearby, so that none of these can
 be lost; a fold keeps its two on one side; and where more has merged, the determinant of the
@@ -157,7 +157,7 @@ def _solve_at(data, T, seed, q, marks, state, loose):
     demanded(data, T, pose, back)
     square = pose[3] * pose[3] + pose[7] * pose[7] + pose[11] * pose[11]
     if data[at.SLIDES] == 0.0 and not square <= 1.0 + ACCEPTED:
-        # Farther away than the stretched arm reaches.
+        # Out of reach of the stretched arm.
         return True, False
     all_void = True
     for k in range(int(data[at.FORMS])):
@@ -208,7 +208,7 @@ def _solve_nudged(data, T, seed, void, q, marks, state):
             continue
         wanted = _IS_CLEAN | _classify(data, T, q, marks, state)
         if reached[number] & reached[number - 1] & wanted == wanted:
-            # Both ways led to all regular solutions that are known.
+            # Both senses led to all known regular solutions.
             if not void:
                 return True
             if number > 2:
@@ -242,7 +242,7 @@ def _cleared(state):
 
 @kernel(types.Tuple((b1, i8))(IN1, IN2, IN1))
 def try_forms(data, T, seed):
-    """Solve for the pose T (4, 4) without neighbours; is a form clean, and what was the effort.
+    """Solve for the pose T (4, 4) without neighbours; return whether a form is clean, and effort.
 
     The effort is counted as ``forms.EFFORT`` is, so that it is the same on every machine.
     """

@@ -6,7 +6,7 @@ POSITION_TOLERANCE = 2  # m
 ORIENTATION_TOLERANCE = 3  # rad
 ITERATIONS = 4  # steps of one attempt at most
 RESTARTS = 5  # attempts of one call of solve_iterative
-WANTED = 6  # solutions after which to stop
+WANTED = 6  # most solutions
 PATIENCE = 7  # attempts in a row without a new solution after which to stop, once there is one
 APART = 8  # least distance (rad or m, largest over the joints) of two solutions
 STALL = 9  # an attempt ends when six steps leave more than this part of the squared error
@@ -19,7 +19,7 @@ ROWS = 19  # from here n numbers each: lower, upper, start, width, stride, turns
 # stride, a fraction of the width; turns is 1 for a joint whose angle may be wrapped.
 N_ROWS = 6  # then the packed chain, a row for each joint and one more
 
-# Where the numbers stand that one search hands on to its continuation.
+# Indices of the numbers that one search hands on to its continuation.
 IDLE = 0  # attempts since the last new solution
 BEST_SCORE = 1  # least error so far, in units of the tolerances
 BEST_POSITION = 2  # its position error (m) and orientation error (rad)

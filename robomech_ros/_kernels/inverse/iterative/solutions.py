@@ -21,7 +21,7 @@ NOT_NEW = -1
 
 @inline
 def _stretch(data, packed, weights, T):
-    """How many times farther than the arm is long a target is that slides without limits reach.
+    """Return the distance of a target for slides without limits, over the length of the arm.
 
     It is 1 where the target is nearer, or no slide is without limits.
     """
@@ -169,7 +169,7 @@ def search(data, T, seed, first, restarts, q, found, state):
 
 @part(i8(IN1, IN2, IN1, OUT2, IOUT1))
 def solve_iterative(data, T, seed, q, branch):
-    """Write the solutions found for the pose T (4, 4) to q (MAX, n); return how many."""
+    """Write the solutions for the pose T (4, 4) to q (MAX, n); return their number."""
     state = np.zeros(at.BEST_Q + int(data[at.JOINTS]) + q.shape[0])
     state[at.BEST_SCORE] = math.inf
     found = search(data, T, seed, 0, int(data[at.RESTARTS]), q, 0, state)

@@ -16,7 +16,7 @@ from robomech_ros._kernels.inverse.polishing import pose_difference
 ATTEMPT_DAMPING = 0.1
 # and what it may sink to after successful steps; the factors of its changes are usual ones.
 ATTEMPT_LEAST_DAMPING = 1e-4
-# Longest change of a joint (rad or m) in one step: beyond a radian linearisation says nothing.
+# Longest change of a joint (rad or m) in one step: linearisation fails beyond a radian.
 ATTEMPT_STEP = 1.0
 # Squared error at which an attempt ends: 1e-13 in rad and in units of half the arm's length ...
 CONVERGED = 1e-26

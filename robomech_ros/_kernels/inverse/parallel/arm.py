@@ -60,7 +60,7 @@ def carried(data, G, k, far, turns):
 
 @lean
 def nearest_in_reach(data, circle, seed):
-    """Choose the free angle nearest to ``seed`` for which the planar arm reaches.
+    """Choose the free angle nearest to ``seed`` within reach of the planar arm.
 
     The point to reach runs over a circle, given by the points (x, y) at 0, 90 and 180 degrees.
     Returns whether there is such an angle, and the angle.
@@ -211,7 +211,7 @@ def wrist_turns(data, G, seed, pair):
 
 @lean
 def lack_of_reach(data, G, seed, pair):
-    """How far (m) the planar arm is from reaching what a pair leaves to it."""
+    """Return the distance (m) of the planar arm from its target for a pair."""
     bits, turns, _ = wrist_turns(data, G, seed, pair)
     if bits < 0:
         return data[at.SIZE]

@@ -15,7 +15,7 @@ from robomech_ros._kernels.inverse.parallel.pairs import (
 )
 from robomech_ros._kernels.inverse.parallel.slides import write_sliding_pair
 
-# Steps to either side in which a free shoulder is scanned for the nearest angle in reach; narrower
+# Scan steps to either side of a free shoulder for the nearest angle in reach; narrower
 # ranges are found by the minimum between three steps.
 CONTINUUM_STEPS = 48
 

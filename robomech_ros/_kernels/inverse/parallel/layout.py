@@ -7,7 +7,7 @@ remaining axis, with z of F in its plane of x and z.
 """
 
 # Order of the axes from the base: a | three parallel | 5 6, or three parallel | a 5 6.
-# An arm in which this is so from the tip is taken as its inverse motion.
+# An arm with this layout from the tip is solved as its inverse motion.
 AXIS_BEFORE = 0
 AXIS_BETWEEN = 1
 # How axes 5 and 6 stand to each other: the two equations for (q_a, q_5) then separate.

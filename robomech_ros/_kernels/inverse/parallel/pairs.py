@@ -76,7 +76,7 @@ def _other_component(data, G, c, s, known, radius):
     """Return the square of the component of z that the equations leave open up to its sign."""
     square = (radius - known) * (radius + known)
     if data[at.KIND] == at.INTERSECTING and data[at.ORDER] == at.AXIS_BEFORE:
-        # Where axis 6 comes near z the difference above has lost its digits; 1 -+ cosine of
+        # With axis 6 near z the difference above has lost its digits; 1 -+ cosine of
         # their angle from its sine has not.
         x, y, cosine = z_in_frame_6(data, G, c, s)
         sine2 = x * x + y * y

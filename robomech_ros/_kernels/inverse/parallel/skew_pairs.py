@@ -21,7 +21,7 @@ from robomech_ros._kernels.inverse.parallel.pairs import (
 )
 from robomech_ros._kernels.tolerances import NEAR_DOUBLE, SAME_POSTURE
 
-# Where double roots of both equations for (q_a, q_5) coincide, four solutions have become one: the
+# If double roots of both equations for (q_a, q_5) coincide, four solutions have become one: the
 # fourth root of the rounding tells them apart, with room (sum over the components of a pair).
 FOURFOLD_APART = 5e-3
 # Error of the equations halfway between two that are one, with room for rounding: between two that

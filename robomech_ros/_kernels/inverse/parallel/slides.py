@@ -25,7 +25,7 @@ from robomech_ros._kernels.inverse.parallel.pairs import (
 )
 from robomech_ros._kernels.tolerances import NEAR_DOUBLE
 
-# Steps per length of the arm in which a free slide is scanned where a turn is free as well.
+# Scan steps per length of the arm for a free slide if a rotation is free as well.
 SLIDE_STEPS = 32
 
 
@@ -142,7 +142,7 @@ def sliding_equation(data, G):
             c - sin56 * data[at.FIRST + 1],
             s - sin56 * data[at.FIRST + 2],
         )
-    # What axis 5 leaves of z along itself, as the target demands it.
+    # Component of z along axis 5, as the target demands it.
     _, y0, z0 = z_in_frame_6(data, G, 0.0, 0.0)
     _, yc, zc = z_in_frame_6(data, G, 1.0, 0.0)
     _, ys, zs = z_in_frame_6(data, G, 0.0, 1.0)

@@ -64,7 +64,7 @@ def _refined(data, T, q, branch, errors, count):
 
 @lean
 def _without_repetitions(data, q, branch, count):
-    """Keep one of several postures that are the same up to what a double root can lose."""
+    """Keep one of several postures that are equal within the accuracy of a double root."""
     kept = 0
     for k in range(count):
         repeated = False
@@ -86,7 +86,7 @@ def _without_repetitions(data, q, branch, count):
 
 @lean
 def _are_simple(data, q, branch, count):
-    """Tell whether at every boundary two solutions become one and no more."""
+    """Return whether at every boundary two solutions become one and no more."""
     boundary = 0
     for k in range(count):
         boundary |= branch[k] & BOUNDARY

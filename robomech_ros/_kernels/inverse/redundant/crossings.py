@@ -34,7 +34,7 @@ def _normalise(v, n):
 
 @lean
 def weakest_direction(bench, u, v):
-    """Write the unit direction v (7,) in which the tip moves least, and return that motion's size.
+    """Write the unit direction v (7,) of least tip motion, and return the size of that motion.
 
     The self-motion is left out.  The motion of the tip u (6,) starts from the one passed in.
     """
@@ -51,7 +51,7 @@ def weakest_direction(bench, u, v):
 
 @lean
 def passes_crossing(before, here, ahead, past, length):
-    """Tell whether three singular values on a self-motion have a crossing at the middle one.
+    """Return whether three singular values on a self-motion have a crossing at the middle one.
 
     The second is ``past`` the first, and the third a ``length`` from it (rad or m).
     """

@@ -19,22 +19,22 @@ from robomech_ros._kernels.tolerances import AT_LIMIT, ON_BOUNDARY
 # The nearest solution is sought along the self-motion until a step is shorter than this (rad or m):
 # the next one would be about its square.
 NEAREST_STEP = 1e-3
-# Error of the pose (rad, m) at which it is good.
+# Accepted error of the pose (rad, m).
 NEAREST_ERROR = 1e-12
 # Damping over the squared error, which keeps steps beside a singular posture short and hinders no
 # other.
 NEAREST_DAMPING = 1e-2
 # and steps at most, all but the last along the self-motion: those that go well need four to seven.
 NEAREST_ITERATIONS = 20
-# Error of the pose (rad, m) from which on no step is tried.
+# Largest error of the pose (rad, m) for a step.
 NEAREST_FARTHEST = 10.0
 
 # Longest change of a joint (rad or m) in a step along the self-motion, and in one that corrects.
 _LONGEST = 0.5
 _LONGEST_CORRECTION = 1.0
-# A joint that moves less than this part of what others do is not moved into its limits.
+# A joint that moves less than this fraction of the others is not moved into its limits.
 _STANDING = 1e-6
-# Where the farthest joint moves less than this part of a wish, the self-motion is found by another.
+# If the farthest joint moves less than this fraction, another request gives the direction.
 _HARDLY = 0.1
 _ANY = (0.6, -0.5, 0.4, 0.7, -0.4, 0.5, 0.6)
 # Beside singular postures a correction may lead back: if by this part of a step, that was too long,
@@ -105,7 +105,7 @@ def best_step(request, q, rates, longest):
 
 @lean
 def _wish(q, seed, metric, g):
-    """Write the direction in which the distance from the seed shrinks fastest."""
+    """Write the direction of steepest descent of the distance from the seed."""
     n = q.shape[0]
     if metric != LINF:
         for i in range(n):
@@ -121,7 +121,7 @@ def _wish(q, seed, metric, g):
 
 @lean
 def _length(q, seed, metric, t, lower, upper, bounded):
-    """How far to go along t, into the limits; the step is at most _LONGEST in every joint."""
+    """Return the step along t, into the limits; at most _LONGEST in every joint."""
     largest = 0.0
     for i in range(q.shape[0]):
         largest = max(largest, abs(t[i]))
@@ -136,7 +136,7 @@ def _length(q, seed, metric, t, lower, upper, bounded):
                 low = max(low, min(one, other))
                 high = min(high, max(one, other))
         if low > high:
-            # What is outside cannot all come inside: by half for both.
+            # Not all can come inside: half a step for both.
             return min(max(0.5 * (low + high), -longest), longest)
     if metric == LINF:
         return minimax(q, seed, t, low, high)
@@ -145,7 +145,7 @@ def _length(q, seed, metric, t, lower, upper, bounded):
 
 @lean
 def _inside(q, lower, upper):
-    """Tell whether q keeps its limits; what is beyond by rounding is put on them."""
+    """Return whether q keeps its limits; what is beyond by rounding is put on them."""
     for i in range(q.shape[0]):
         if not lower[i] - AT_LIMIT <= q[i] <= upper[i] + AT_LIMIT:
             return False
@@ -197,7 +197,7 @@ def _project(J, A, y, g):
 
 @lean
 def _direction(J, A, y, q, seed, metric, g):
-    """Write the direction along the self-motion in which the distance from the seed shrinks."""
+    """Write the direction of the self-motion that reduces the distance from the seed."""
     _wish(q, seed, metric, g)
     largest = _project(J, A, y, g)
     if q.shape[0] == 7 and metric == LINF and largest < _HARDLY:
@@ -211,7 +211,7 @@ def _direction(J, A, y, q, seed, metric, g):
 def direction_like(J, A, y, way, g):
     """Write the direction of the self-motion of seven joints on which g (7,) was a way ahead.
 
-    Where g is zero, ``way`` is its sense.  The joint that moves most moves by one; False where none
+    If g is zero, ``way`` is its sense.  The joint that moves most moves by one; False where none
     does.
     """
     largest = 0.0

@@ -38,7 +38,7 @@ def _between(front, T, back, out):
 
 @lean
 def _locked_body(data, T, seed, locked, q, branch):
-    """Write the postures for the pose T (4, 4) in which the joints outside the six have a value.
+    """Write the postures at the pose T (4, 4) with given values of the joints outside the six.
 
     ``locked`` (n,) holds the values, those of the six are not read; q is (16, n).  Returns how
     many postures there are.
@@ -60,7 +60,7 @@ def _locked_body(data, T, seed, locked, q, branch):
     exact = int(data[at.GENERAL])
     if total >= DOUBT and exact > 0:
         total = call_six_joints(GENERAL, _FORWARDS, data[exact:], target, start, found, branch)
-    # Of a continuum no list is complete, so that a doubt that is left changes nothing.
+    # The list of a continuum is never complete, so a remaining doubt changes nothing.
     count = total % DOUBT
     for k in range(count):
         for i in range(n):
@@ -141,7 +141,7 @@ def stretched(data, T):
 
 @lean
 def sample(data, T, seed, angle, locked, turn, postures):
-    """Write the postures of one sample and what they are called.
+    """Write the postures of one sample and their names.
 
     ``angle`` is the arm angle of the seed, from which the sample is a ``turn`` (rad) away.
     """

@@ -109,7 +109,7 @@ def put_on(packed, T, bench, g, q):
 
 @lean
 def _part_between(first, last, length):
-    """Return the part of a step at which the least is expected, from what is known of both ends."""
+    """Return the fraction of a step at the expected minimum, from the values at both ends."""
     value, slope, joint = first
     other, rise, another = last
     part = 0.5

@@ -34,14 +34,14 @@ STARTS = 256
 # if they are within this distance (rad or m) of the first: about the spacing of samples.
 APPROACHED = 3
 APPROACHED_WITHIN = 0.8
-# Where steps from the seed come no nearer than FROM (rad or m), others begin beside it, with some
+# If steps from the seed come no nearer than FROM (rad or m), others begin near it, with some
 # joints away by this part of the distance, of MOST at most; the last two only where none is nearer.
 BESIDE = 4
 BESIDE_FROM = 0.1
 BESIDE_BY = 0.9
 BESIDE_MOST = 0.6
 # Steps from so many postures, spread evenly over a box around the seed, find the branches of seven
-# joints on which the locked one hardly moves.
+# joints where the locked one hardly moves.
 SCATTERED = 24
 # So many samples of a locked joint, at least, are within the distance of the nearest posture known.
 WITHIN = 3
@@ -56,7 +56,7 @@ INEXACT = np.int64(-1)
 
 @lean
 def _approach_from_seed(packed, T, request, beside, q):
-    """Write to q (n,) the nearest posture to which steps from the seed and beside it lead.
+    """Write to q (n,) the nearest posture found by steps from the seed and near it.
 
     ``beside`` (n,) is working space.  Returns the distance, infinite where they lead to none.
     """
@@ -85,7 +85,7 @@ def _approach_from_seed(packed, T, request, beside, q):
 
 @lean
 def _is_inside(request, q):
-    """Tell whether a posture keeps the limits that hold."""
+    """Return whether a posture keeps the limits that hold."""
     _, lower, upper, _, _, _ = request
     for i in range(q.shape[0]):
         if not lower[i] - AT_LIMIT <= q[i] <= upper[i] + AT_LIMIT:
@@ -110,7 +110,7 @@ def _enter(request, q, name, count, starts):
 def _take_samples(data, T, request, nearest, steps, bench, distance, starts):
     """Enter the postures of samples among the ``starts``, in the windings nearest to the seed.
 
-    Where only the ``nearest`` is asked for, samples are left out that are farther from the seed
+    If only the ``nearest`` is requested, samples are left out that are farther from the seed
     than the nearest posture known.  Returns how many starts there are, and the least distance of
     one inside the limits.
     """
@@ -175,7 +175,7 @@ def _take_angles(data, T, request, nearest, steps, bench, distance, starts, coun
 
 @lean
 def _needs_scatter(data, metric, known):
-    """Tell whether samples of a locked joint may miss a branch nearer than ``known``."""
+    """Return whether samples of a locked joint may miss a branch nearer than ``known``."""
     return (
         data[at.KIND] == at.LOCKED and data[at.STRETCHED] == 0.0 and known > small_distance(metric)
     )
@@ -231,7 +231,7 @@ def _approach_first(packed, T, request, count, ranked):
 def _solve_pose(data, T, request, nearest, traced, joints, bench, starts, ranked):
     """Rank the nearest posture and those of all samples.
 
-    Returns how many are inside the limits, and how many exist.  Where only the nearest is asked
+    Returns how many are inside the limits, and how many exist.  If only the nearest is asked
     for, samples that are farther from the seed than it are left out.  Self-motions are followed
     where ``traced``; of more than seven joints the first few samples are moved along them.
     ``joints`` is as :func:`.trace_nearest` has it, and ``bench`` has where they may be, and working

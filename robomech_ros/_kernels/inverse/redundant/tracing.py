@@ -241,7 +241,7 @@ def _advance(packed, T, bench, ends, bent, length):
 
 @lean
 def _rewind(request, ends):
-    """Take both postures to the winding in which the second one counts; False if that is theirs."""
+    """Move both postures to the winding of the second one; False if they are in it."""
     turns, lower, upper, seed, _, _ = request
     wound, moved = scratch(7), False
     place(turns, lower, upper, seed, False, ends[2], wound)
