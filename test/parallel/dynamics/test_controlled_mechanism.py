@@ -56,11 +56,19 @@ def run(servo, dynamics, wanted, **given):
     return motion, np.abs(error).max()
 
 
+SHOWN = "delta", "hexapod", "planar_3rrr", "tripod_3prs"
+
+
 @pytest.mark.parametrize(
     ("name", "control"),
     [
         *((name, "computed-torque") for name in list_parallel()),
-        *((name, "pd-gravity") for name in ("delta", "hexapod", "planar_3rrr", "tripod_3prs")),
+        *((name, "pd-gravity") for name in SHOWN),
+        *(
+            pytest.param(name, "pd-gravity", marks=pytest.mark.long)
+            for name in list_parallel()
+            if name not in SHOWN
+        ),
     ],
 )
 def test_every_robot_of_the_library_is_tracked_with_its_loops_closed(name, control):
