@@ -262,6 +262,11 @@ def check_motion(
     """Prove a motion; see `PlanningScene.check_motion`."""
     proof = MotionProof(distances, clearance)
     breaks, curves = _pieces(chain, motion)
+    largest = np.abs(curves).max(axis=(0, 1))
+    # Longer motions would need more halvings than there is room for.
+    for i in np.flatnonzero(largest > chain.largest):
+        expected = f"at most {chain.largest[i]:g} {chain.units[i]}"
+        raise BadValueError(f"motion of joint '{chain.joint_names[i]}'", largest[i], expected)
     ends = curves[:, :1].reshape(-1, chain.n), curves[-1, -1:]
     for q in np.concatenate(ends):
         proof.least = min(proof.least, distances.nearest(q).distance)

@@ -164,27 +164,27 @@ class _Search:
             straight = np.array([start, postures[k]])
             if self.passes(*straight.tolist()) and self._proves(straight):
                 return straight, k
-        path = self._sampled(start, postures[order])
+        path = self._proved(self._sampled(start, postures[order]), postures[order])
         if path is None:
             return np.empty((0, len(start))), -1
-        goal = min(order, key=lambda k: float(np.abs(postures[k] - path[-1]).max()))
-        path[0], path[-1] = start, postures[goal]
-        proved = self._proved(path)
-        return (proved, goal) if proved is not None else (np.empty((0, len(start))), -1)
+        return path, min(order, key=lambda k: float(np.abs(postures[k] - path[-1]).max()))
 
-    def _proved(self, path: Array) -> Array | None:
-        """Replace the pieces of a path without a proof by proved detours."""
-        pieces, self._strict = [path[:1]], True
-        for piece in (path[k : k + 2] for k in range(len(path) - 1)):
-            found: Array | None = piece
-            if not self._proves(piece):
-                around = None if self._is_over() else self._sampled(piece[0], piece[1:])
-                found = None if around is None else self._proved(around)
-            if found is None:
+    def _proved(self, path: Array | None, goals: Array) -> Array | None:
+        """Replace pieces of a path without a proof by detours to any waypoint behind, or a goal."""
+        self._strict, k = True, 1
+        while path is not None and k < len(path):
+            if self._proves(path[k - 1 : k + 1]):
+                self._reached[tuple(path[k].tolist())] = None
+                k += 1
+                continue
+            # Thin bodies may enclose the next waypoint.
+            ends = np.concatenate([path[k:], goals])
+            around = None if self._is_over() else self._sampled(path[k - 1], ends)
+            if around is None:
                 return None
-            pieces.append(found[1:])
-            self._reached[tuple(found[-1].tolist())] = None
-        return np.concatenate(pieces)
+            reached = int(np.argmin(np.abs(ends - around[-1]).max(axis=1)))
+            path = np.concatenate([path[: k - 1], around, path[k + reached + 1 :]])
+        return path
 
     def _proves(self, motion: Array) -> bool:
         ends = frozenset(map(tuple, motion.tolist()))
@@ -199,12 +199,12 @@ class _Search:
         if end in self._free:
             begin, end = end, begin
         curve = np.array([end, begin])
-        shares = _LOOKS[: math.ceil(math.dist(a, b) / _FAR)]
-        if end not in self._free:
-            shares = (*shares, 0.0)
-        for share in shares:
-            q = curve[0] + share * (curve[1] - curve[0])
-            if self._distances.contact(q, self._request.clearance) is not None:
+        contact, clearance = self._distances.contact, self._request.clearance
+        if end not in self._free and contact(curve[0], clearance) is not None:
+            return False
+        step = curve[1] - curve[0]
+        for share in _LOOKS[: math.ceil(math.dist(a, b) / _FAR)]:
+            if contact(curve[0] + share * step, clearance) is not None:
                 return False
         if not (self._proves(curve) if self._strict else self._proof.seems_free(curve)):
             return False
@@ -256,11 +256,17 @@ class _Search:
             planner.solve(base.PlannerTerminationCondition(self._is_over))
             if not task.hasExactSolution():
                 return None
-            path = task.getSolutionPath()
-            shortener = geometric.PathSimplifier(information)
-            shortener.reduceVertices(path)
-            shortener.partialShortcutPath(path)
-            return np.array([[state[i] for i in entries] for state in path.getStates()])
+            states = task.getSolutionPath().getStates()
+        return self._shortened([[state[i] for i in entries] for state in states])
+
+    def _shortened(self, rows: list[list[float]]) -> Array:
+        """Go from each waypoint straight to the last one that can be reached."""
+        kept, last = [0], len(rows) - 1
+        while kept[-1] < last:
+            here = kept[-1]
+            later = (k for k in range(last, here + 1, -1) if self.passes(rows[here], rows[k]))
+            kept.append(next(later, here + 1))
+        return np.array([rows[k] for k in kept])
 
 
 @contextmanager
@@ -314,7 +320,7 @@ def _postures(scene: Any, goals: npt.ArrayLike, start: Array) -> tuple[Array, st
     rows = np.atleast_2d(as_finite_values(chain, given, "goals"))
     if rows.ndim > 2:
         raise WrongSizeError("goals", given.shape, f"({chain.n},), (k, {chain.n}) or (4, 4)")
-    inside = [_within_limits(chain, row, "goal") for row in rows]
+    inside = [_within_limits(chain, as_posture(chain, row, "goal"), "goal") for row in rows]
     return np.array(inside).reshape(-1, chain.n), "there is no goal"
 
 

@@ -121,15 +121,16 @@ def check(scene, judge, motion):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("scenes", [3, pytest.param(60, marks=pytest.mark.long)])
+# Of three robots: 10,000 motions.
+@pytest.mark.parametrize("scenes", [3, pytest.param(160, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", ["six", "sliding", pytest.param("panda", marks=in_cell)])
-def test_no_motion_is_proved_that_sampling_finds_in_contact(name, scenes):
+def test_no_motion_is_proved_that_sampling_finds_in_contact(name, scenes, record_property):
     random = np.random.default_rng(12)
     if name == "panda":
         empty = cell_scene("panda")
     else:
         empty = PlanningScene(six_joints()) if name == "six" else on_rail()
-    counts = {"certified": 0, "contact": 0, "not proved": 0}
+    counts, nearest = {"certified": 0, "contact": 0, "not proved": 0}, []
     for _ in range(scenes):
         scene = empty.copy()
         for k in range(4):
@@ -141,9 +142,16 @@ def test_no_motion_is_proved_that_sampling_finds_in_contact(name, scenes):
             steps = 0.35 * random.normal(size=(2, len(q)))
             points = np.vstack([q, q + np.cumsum(steps, axis=0)])
             points = np.clip(points, scene.chain.lower, scene.chain.upper)
-            counts[check(scene, judge, KINDS[k % len(KINDS)](points, limits))] += 1
+            motion = KINDS[k % len(KINDS)](points, limits)
+            verdict = check(scene, judge, motion)
+            counts[verdict] += 1
+            if verdict == "certified":
+                nearest.append(scene.clearance(dense(motion)[1]).distance.min())
     assert counts["certified"] > 8 and counts["contact"] > 5
     assert counts["not proved"] <= max(1, scenes // 10)
+    assert min(nearest) > 0.0
+    record_property("motions", counts)
+    record_property("least distance of samples of proved motions (m)", min(nearest))
 
 
 def test_whole_turns_of_joints():
@@ -177,12 +185,13 @@ def test_known_distances_between_links_change_nothing(name):
     assert 40 < certified < 180
 
 
+@pytest.mark.parametrize("postures", [60, pytest.param(3000, marks=pytest.mark.long)])
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_plate_of_a_millimetre_is_never_passed(kind):
+def test_a_plate_of_a_millimetre_is_never_passed(kind, postures, record_property):
     random, scene = np.random.default_rng(14), PlanningScene(six_joints())
     limits = limits_of(scene.chain)
     passed = 0
-    for q in random_postures(scene.chain, random, 60):
+    for q in random_postures(scene.chain, random, postures):
         if not scene.is_free(q):
             continue
         step = random.normal(size=6)
@@ -201,6 +210,7 @@ def test_a_plate_of_a_millimetre_is_never_passed(kind):
         elif found.certified:
             assert judged(with_plate).first_hit(dense(kind(points, limits), 4000)[1]) is None
     assert passed > 3
+    record_property("motions through plates", passed)
 
 
 def test_joint_paths_and_polynomials():
@@ -336,6 +346,9 @@ def test_wrong_motions():
             scene.check_motion(motion)
     with pytest.raises(NonFiniteError):
         scene.check_motion([[0, 0, 0, 0, 0, math.nan], [0] * 6])
+    for far in (1e12, 1e300):
+        with pytest.raises(BadValueError, match="motion of joint 'j1'"):
+            scene.check_motion([np.zeros(6), np.full(6, far)])
     other = point_to_point(np.zeros(4), np.ones(4), limits=limits_of(on_rail().chain))
     with pytest.raises(BadValueError, match="joints of the motion is 4, expected 6"):
         scene.check_motion(other)

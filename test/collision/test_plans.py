@@ -106,6 +106,28 @@ def test_what_only_looks_free_is_gone_around(monkeypatch):
     assert any(failed)
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_waypoints_in_a_closed_room_are_left_out(monkeypatch, seed):
+    """Motions that are hardly looked at lead into a room that has no door."""
+    monkeypatch.setattr(motion_proof, "_STEP", 3.0)
+    monkeypatch.setattr(motion_proof, "_LOOK", 3.0)
+    parts = [link(name) for name in ("base", "a", "b")] + [
+        link("tool", (Sphere(0.02), (0, 0, 0), 0)),
+        joint("x", "base", "a", "0 0 0", "1 0 0", "prismatic", (-2, 2)),
+        joint("y", "a", "b", "0 0 0", "0 1 0", "prismatic", (-2, 2)),
+        joint("z", "b", "tool", "0 0 0", "0 0 1", "prismatic", (-2, 2)),
+    ]
+    scene = PlanningScene(f'<robot name="ball">{"".join(parts)}</robot>')
+    for k in range(3):
+        sizes = np.full(3, 2.4)
+        sizes[k] = 0.001
+        for side in (-1.2, 1.2):
+            scene.add(f"plate {k} {side}", Box(*sizes), at(*(side * np.eye(3)[k])))
+    scene.add("block", Box(1.6, 1.6, 1.6))
+    plan = scene.plan([-1.5, 0.1, 0.0], [1.5, 0.0, 0.1], seed=seed, timeout=3.0)
+    assert plan.status is PlanStatus.SOLVED and plan.certified, plan.reason
+
+
 def test_straight_where_nothing_is_in_between():
     scene = PlanningScene(six_joints())
     plan = solved(scene, LEFT, RIGHT)
@@ -127,6 +149,15 @@ def test_each_planner_of_ompl(planner):
         LEFT, RIGHT, planner=planner, timeout=20.0 if "FMT" in planner else 1.0
     )
     assert plan.status is PlanStatus.SOLVED and plan.certified
+
+
+def test_joints_without_limits_turn_no_farther_than_can_be_proved():
+    scene = PlanningScene(sliding(), base="rail", tip="palm")
+    far, turn = np.zeros(4), scene.chain.joint_names.index("turn")
+    far[turn] = 1e12
+    for start, goal in ((far, far), (np.zeros(4), far)):
+        with pytest.raises(BadValueError, match="of joint 'turn' is 1000000000000.0, expected at"):
+            path_through(scene, [start, goal])
 
 
 def test_one_of_several_postures_is_enough():
