@@ -11,6 +11,8 @@ from robomech_ros.typing import Array, BoolArray
 
 # Least reduction of the hulls by a cut, relative to the whole volume.
 _WORTH = 0.005
+# Least half thickness (m) of a hull, and its share of a length above 1 m: coal breaks below.
+_THIN = 1e-6
 # Parts are cut at these shares of their corners, along their three axes.
 _PLACES = (0.35, 0.5, 0.65)
 
@@ -51,6 +53,14 @@ def convex_parts(triangles: Array, most: int) -> list[Array]:
     return [part.corners for part in parts]
 
 
+def convex_hull(points: Array) -> ConvexHull:
+    """Return the hull of points (k, 3); raise ValueError if it is nearly flat."""
+    hull = ConvexHull(points)
+    if hull.volume < _THIN * max(1.0, float(np.ptp(points, axis=0).max())) * hull.area:
+        raise ValueError("nearly flat")
+    return hull
+
+
 def is_closed(triangles: Array) -> bool:
     """Return whether each edge of a mesh (m, 3, 3) joins two triangles of opposite direction."""
     flat = triangles.reshape(-1, 3)
@@ -65,7 +75,7 @@ def is_closed(triangles: Array) -> bool:
 
 def _part(triangles: Array) -> _Part:
     points = np.unique(triangles.reshape(-1, 3), axis=0)
-    hull = ConvexHull(points)
+    hull = convex_hull(points)
     return _Part(triangles, points[hull.vertices], float(hull.volume))
 
 

@@ -30,10 +30,12 @@ def joined(edges: Iterable[tuple[int, int]] | IntArray, count: int) -> IntArray:
     return np.concatenate([starts, both[:, 1]]).astype(np.int64)
 
 
-def hull_edges(corners: Array) -> IntArray:
-    """List the neighbours of the corners (k, 3) of a hull; see `joined`."""
-    faces = ConvexHull(corners).simplices
-    return joined(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), len(corners))
+def hull_edges(points: Array) -> tuple[Array, IntArray]:
+    """Return the corners (k, 3) of the hull of points, and their neighbours; see `joined`."""
+    # A search could not leave points inside of the hull.
+    kept, faces = np.unique(ConvexHull(points).simplices, return_inverse=True)
+    edges = faces.reshape(-1, 3)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    return points[kept], joined(edges, len(kept))
 
 
 def prism_edges(sides: int) -> IntArray:

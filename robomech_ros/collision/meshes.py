@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial import QhullError
 
 from robomech_ros._kernels.collision.shapes import BOX
-from robomech_ros.collision.convex_parts import convex_parts, is_closed
+from robomech_ros.collision.convex_parts import convex_hull, convex_parts, is_closed
 from robomech_ros.collision.hull_edges import hull_edges
 from robomech_ros.collision.libraries import coal
 from robomech_ros.collision.shapes import LARGEST, SMALLEST, Body, Shape
@@ -105,7 +105,7 @@ class Mesh(Shape):
         try:
             if not np.cross(b - a, c - a).any():
                 raise BadValueError(self.name, "without area", "triangles with an area")
-            around = ConvexHull(vertices)
+            around = convex_hull(vertices)
         except (QhullError, ValueError) as error:
             expected = "a mesh with a volume; a thin box stands for a plate"
             raise BadValueError(self.name, "flat", expected) from error
@@ -203,7 +203,8 @@ def _box_around(corners: Array) -> tuple[int, tuple[float, float, float], Array]
     return BOX, sizes, pose
 
 
-def _hull(corners: Array) -> Body:
+def _hull(points: Array) -> Body:
+    corners, edges = hull_edges(points)
     try:
         hull = _convex(corners)
     except RuntimeError:
@@ -211,9 +212,9 @@ def _hull(corners: Array) -> Body:
         # shifts of the corners make the face uneven.
         middle = corners.mean(axis=0)
         farther = 1.0 + _UNEVEN * np.random.default_rng(0).random((len(corners), 1))
-        corners = middle + farther * (corners - middle)
+        corners, edges = hull_edges(middle + farther * (corners - middle))
         hull = _convex(corners)
-    return Body(hull, corners, hull_edges(corners), 0.0, *_box_around(corners), exact=False)
+    return Body(hull, corners, edges, 0.0, *_box_around(corners), exact=False)
 
 
 def _convex(corners: Array) -> Any:

@@ -26,6 +26,8 @@ def load_scene(scene: Any, given: Mapping[str, Any] | str | os.PathLike[str]) ->
     """Add a scene of MoveIt; see `PlanningScene.load`."""
     folder = None
     if not isinstance(given, Mapping):
+        if not isinstance(given, str | os.PathLike):
+            raise BadValueError("scene", given, "a path, or a mapping as MoveIt's PlanningScene")
         path = Path(given).expanduser()
         folder = path.resolve().parent
         given = parse_yaml(read_source(path, LARGEST_YAML), str(path))
@@ -83,24 +85,19 @@ def read_pose(given: Mapping[str, Any]) -> Array:
 
 def allow_pairs(scene: Any, matrix: Mapping[str, Any]) -> None:
     """Allow the pairs of an allowed collision matrix to touch; others stay as they are."""
-    names = [str(name) for name in matrix.get("entry_names") or ()]
+    names = [str(name) for name in _listed(matrix, "entry_names")]
     known = set(scene.bodies)
     for i, row in enumerate(_entries(matrix, "entry_values")):
-        enabled = row.get("enabled") or ()
-        for j, allowed in enumerate(enabled):
+        for j, allowed in enumerate(_listed(row, "enabled")):
             # A matrix may name bodies of another robot.
             if j < i < len(names) and allowed and {names[i], names[j]} <= known:
                 scene.allow(names[i], names[j], "allowed by the scene")
-    defaults = zip(
-        matrix.get("default_entry_names") or (),
-        matrix.get("default_entry_values") or (),
-        strict=False,
-    )
-    for name, allowed in defaults:
+    defaults = _listed(matrix, "default_entry_names"), _listed(matrix, "default_entry_values")
+    for name, allowed in zip(map(str, defaults[0]), defaults[1], strict=False):
         if allowed and name in known:
             for other in scene.bodies:
                 if other != name:
-                    scene.allow(str(name), other, "allowed by the scene")
+                    scene.allow(name, other, "allowed by the scene")
 
 
 def _primitive(one: Mapping[str, Any], _: Path | None) -> Shape:
@@ -139,11 +136,18 @@ def _section(given: Mapping[str, Any], key: str) -> Mapping[str, Any]:
     return found
 
 
-def _entries(given: Mapping[str, Any], key: str) -> list[Mapping[str, Any]]:
+def _listed(given: Mapping[str, Any], key: str) -> list[Any]:
     found = given.get(key) or []
-    if not isinstance(found, list | tuple) or not all(isinstance(one, Mapping) for one in found):
-        raise BadValueError(key, found, "a list of mappings")
+    if not isinstance(found, list | tuple):
+        raise BadValueError(key, found, "a list")
     return list(found)
+
+
+def _entries(given: Mapping[str, Any], key: str) -> list[Mapping[str, Any]]:
+    found = _listed(given, key)
+    if not all(isinstance(one, Mapping) for one in found):
+        raise BadValueError(key, found, "a list of mappings")
+    return found
 
 
 def _frame(scene: Any, name: str) -> str | None:

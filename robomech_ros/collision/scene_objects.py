@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from robomech_ros._kernels.collision.shapes import CYLINDER
 from robomech_ros._kernels.tolerances import LARGEST_LENGTH
-from robomech_ros.collision.shapes import LARGEST, Body, Plane, Shape
+from robomech_ros.collision.shapes import EXCESS, LARGEST, Body, Plane, Shape
 from robomech_ros.collision.sphere_cover import cover
 from robomech_ros.errors import BadValueError
 from robomech_ros.spatial import as_pose
@@ -85,6 +86,9 @@ def carried_by(link: str, one: SceneObject) -> SceneObject:
 def covered(body: Body, most: int = MOST_SPHERES) -> tuple[Array, Array]:
     """Return the spheres (s, 8) that cover a body, and one around it (4,); see `cover`."""
     spheres, around = cover(body.corners, body.radius, most)
+    if body.kind == CYLINDER:
+        # The corners are outside of a round body, and so may be parts of the spheres inside them.
+        spheres[:, 7] -= EXCESS * body.sizes[0]
     if body.surface is not None:
         # A point inside the hull may be outside of the surface.
         spheres[:, 7] = -LARGEST

@@ -22,6 +22,8 @@ from robomech_ros.typing import Array, IntArray
 SMALLEST, LARGEST = 1e-6, 1e4
 # Sides of the prism around a cylinder.
 _SIDES = 16
+# How far its corners are outside of the cylinder, relative to the radius.
+EXCESS = 1.0 / math.cos(math.pi / _SIDES) - 1.0
 _PRISM, _PYRAMID, _BAR, _DOT = (
     prism_edges(_SIDES),
     pyramid_edges(_SIDES),
@@ -198,11 +200,13 @@ class Plane(Shape):
 
     def __post_init__(self) -> None:
         normal = as_single("normal", self.normal, (3,))
-        length = float(np.linalg.norm(normal))
-        if not length > SMALLEST:
-            raise BadValueError("normal", normal.tolist(), "a vector that is not zero")
-        expected = f"at most {LARGEST:g} m to either side"
-        offset = finite_within("offset", self.offset, expected, -LARGEST, LARGEST)
+        length = math.hypot(*normal)
+        if not SMALLEST < length < LARGEST:
+            expected = f"a vector with a length of {SMALLEST:g} to {LARGEST:g}"
+            raise BadValueError("normal", normal.tolist(), expected)
+        reach = LARGEST * min(length, 1.0)
+        expected = f"at most {reach:g} to either side"
+        offset = finite_within("offset", self.offset, expected, -reach, reach)
         object.__setattr__(self, "normal", normal / length)
         object.__setattr__(self, "offset", offset / length)
 
@@ -224,5 +228,5 @@ def _check_lengths(shape: Any, *names: str) -> None:
 def _ring(radius: float, height: float) -> Array:
     """Return the corners of a polygon around a circle."""
     turns = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
-    wider = radius / math.cos(math.pi / _SIDES)
+    wider = radius * (1.0 + EXCESS)
     return np.column_stack([wider * np.cos(turns), wider * np.sin(turns), [height] * _SIDES])

@@ -209,6 +209,12 @@ def test_scenes_in_the_layout_of_moveit(tmp_path):
 @pytest.mark.parametrize(
     "given",
     [
+        None,
+        3,
+        [1],
+        {"allowed_collision_matrix": {"entry_names": 3}},
+        {"allowed_collision_matrix": {"entry_names": ["tool"], "entry_values": [{"enabled": 3}]}},
+        {"allowed_collision_matrix": {"default_entry_names": 3, "default_entry_values": [True]}},
         {"world": 3},
         {"world": {"collision_objects": [3]}},
         {"world": {"collision_objects": [{"id": "a"}]}},
@@ -344,6 +350,22 @@ def test_a_large_round_face_of_a_mesh_is_taken():
         assert found < 0.0 if distance is None else found == pytest.approx(distance, abs=1e-6)
 
 
+def test_the_uneven_faces_of_a_mesh_hide_nothing():
+    """A search along the edges of a hull cannot leave a point that is no corner of it."""
+    turns, down = np.linspace(0.0, 2.0 * np.pi, 300, endpoint=False), np.linspace(0.01, 3.13, 8)
+    u, v = (one.ravel() for one in np.meshgrid(turns, down))
+    points = 0.2 * np.column_stack([np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)])
+    drum, scene = Mesh(points, ConvexHull(points).simplices), ball_robot()
+    (part,) = drum.parts()
+    starts = part.edges[: len(part.corners) + 1]
+    assert (np.diff(starts) > 1).all()
+    scene.add("drum", drum)
+    postures = np.random.default_rng(3).uniform(-0.4, 0.4, (200, 3))
+    free = scene.clearance(postures).distance > 0.0
+    assert 20 < free.sum() < 180 and (scene.is_free(postures) == free).all()
+    assert not scene.check_motion([[0.4, 0.0, 0.0], [-0.4, 0.0, 0.0]]).free
+
+
 def test_bad_shapes():
     for make in (
         lambda: Box(0.0, 1.0, 1.0),
@@ -356,6 +378,8 @@ def test_bad_shapes():
         lambda: Plane((0, 0, 0)),
         lambda: Plane((0, 0, 1), math.nan),
         lambda: Plane((0, math.nan, 1)),
+        lambda: Plane((1e300, 0, 0)),
+        lambda: Plane((0, 0, 1e-5), 1.0),
         lambda: Mesh([[0, 0, 0]], [[0, 0, 1]]),
         lambda: Mesh(np.zeros((3, 3)), np.zeros((0, 3), int)),
         lambda: Mesh(np.zeros((3, 2)), [[0, 1, 2]]),
@@ -368,7 +392,8 @@ def test_bad_shapes():
         with pytest.raises((RobomechError, ValueError, TypeError)):
             make()
     scene = ball_robot()
-    for flat in (Mesh(np.eye(3), [[0, 1, 2]]),):
+    thin = ConvexHull(np.random.default_rng(0).normal(size=(900, 3)) * [0.2, 0.2, 1e-9])
+    for flat in (Mesh(np.eye(3), [[0, 1, 2]]), Mesh(thin.points, thin.simplices)):
         with pytest.raises(RobomechError, match="a thin box stands for a plate"):
             scene.add("flat", flat)
     assert not scene.objects
