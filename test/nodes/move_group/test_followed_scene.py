@@ -140,6 +140,14 @@ def test_plans_through_via_points_lead_around_the_wall_in_the_wanted_time(client
     answer = planned(duration=4 * seconds, time_from_start=seconds)
     assert answer.error_code == Code.COLLISION and "'wall'" in answer.error_msg
     assert "leave time_from_start of all via points at 0" in answer.error_msg
+    # A motion with instants that touches nothing is not refused.
+    request.goal = joint_state(UR5E.joint_names, HERE + 0.05)
+    request.via[0].positions = (HERE + 0.02).tolist()
+    answer = planned()
+    assert answer.error_code == Code.NONE, answer.error_msg
+    assert scene.check_motion(waypoints_of(answer.trajectory)).certified
+    curve = waypoints_of(answer.trajectory).curve
+    np.testing.assert_allclose(curve.sample(seconds)[0], HERE + 0.02, atol=1e-3)
 
 
 def test_what_stands_in_the_wall_is_refused(client):
