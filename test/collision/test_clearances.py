@@ -103,7 +103,7 @@ def test_distances_are_those_of_pinocchio(make, name, scenes, record_property):
         deep += of_scene[1]
     assert 5 < len(deep) < 60 * scenes - 1
     record_property("postures apart, in contact", (len(apart), len(deep)))
-    record_property("largest difference of distances, of depths (m)", (max(apart), max(deep)))
+    record_property("largest difference of distances, of depths (m)", str((max(apart), max(deep))))
 
 
 @pytest.mark.parametrize("name", ROBOTS)

@@ -151,7 +151,7 @@ def test_no_motion_is_proved_that_sampling_finds_in_contact(name, scenes, record
     assert counts["not proved"] <= max(1, scenes // 10)
     assert min(nearest) > 0.0
     record_property("motions", counts)
-    record_property("least distance of samples of proved motions (m)", min(nearest))
+    record_property("least distance of samples of proved motions (m)", float(min(nearest)))
 
 
 def test_whole_turns_of_joints():
