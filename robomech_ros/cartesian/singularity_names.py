@@ -7,8 +7,6 @@ import numpy as np
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinematics.mobility import arm_size
 from robomech_ros.kinetostatics import jacobian
-from robomech_ros.kinetostatics.singularities.determinant_factors import named_parts
-from robomech_ros.kinetostatics.singularities.report import posture_report
 from robomech_ros.robots import SerialChain
 from robomech_ros.trajectory import JointPath
 from robomech_ros.typing import Array
@@ -29,6 +27,9 @@ def singular_part(chain: SerialChain, joints: JointPath) -> str:
     Such as "the elbow is straight"; of an arm whose parts have no names, the joint that turns or
     slides ever faster; empty where neither is so.
     """
+    # Compiled for those who come to such an end.
+    from robomech_ros.kinetostatics.singularities.report import posture_report
+
     q = joints.derivatives(joints.length)[0]
     factors = posture_report(chain, q, length=arm_size(chain)).factors
     if not factors:
@@ -61,6 +62,8 @@ def _stretches(chain: SerialChain, before: Array, q: Array) -> bool:
     both, chain = chain.joint_values(np.stack([before, q])), chain.uncoupled
     J, tips = jacobian(chain, both), forward_kinematics(chain, both)[:, :3, 3]
     axes, moves = J[:, :3], J[:, 3:]
+    from robomech_ros.kinetostatics.singularities.determinant_factors import named_parts
+
     first, _, last = named_parts(chain).joints[3:].tolist()
     i, k = (first, last) if last else (1, chain.n - 2)
     wrists = tips - np.cross(moves[:, :, k], axes[:, :, k])

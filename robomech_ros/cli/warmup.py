@@ -30,17 +30,21 @@ _REDUNDANT = tuple(
     f"inverse.redundant.{name}"
     for name in ("arm_angle", "crossings", "nearest", "samples", "settling", "solutions", "tracing")
 )
+_ANALYSIS = (
+    *("chain.jacobian_rates", "dynamics.controlled_chain", "dynamics.dry_friction"),
+    *(f"kinetostatics.{name}" for name in ("indices", "posture_factors", "posture_report")),
+)
 # Demonstrations of an arm beside the usual one.
 OBSTACLES, FLOATING = "obstacles", "floating"
 # Kernels that only some demonstrations use, by the kind of robot: folders and modules.
 _USED_BY = {
     OBSTACLES: ("collision",),
     FLOATING: ("dynamics.floating",),
-    "parallel": ("parallel", "loops"),
-    "rolling": ("rolling",),
-    "walking": ("walking", "loops", "dynamics.floating"),
-    "hand": ("hands", "kinetostatics.rates"),
-    "calibration": ("calibration",),
+    "parallel": ("parallel", "loops", *_ANALYSIS),
+    "rolling": ("rolling", *_ANALYSIS),
+    "walking": ("walking", "loops", "dynamics.floating", *_ANALYSIS),
+    "hand": ("hands", "kinetostatics.rates", *_ANALYSIS),
+    "calibration": ("calibration", *_ANALYSIS),
 }
 _SPECIAL = {
     *("servo", "dynamics.derivatives", "dynamics.regressor", "inverse.cheapest_moves"),

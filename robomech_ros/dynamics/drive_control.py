@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robomech_ros._kernels.dynamics import controlled_chain as kernels
 from robomech_ros.dynamics.friction import friction_model
 from robomech_ros.dynamics.model import dynamic_model, surroundings
 from robomech_ros.errors import BadValueError
@@ -70,6 +69,9 @@ CompiledServo = Callable[[DrivenState, Array, Array, Timing], ServoRun]
 
 def chain_servo(model: SerialChain, plant: SerialChain, law: ServoLaw) -> CompiledServo:
     """Simulate a controller with the model of one chain on another chain."""
+    # Compiled for those who simulate drives.
+    from robomech_ros._kernels.dynamics import controlled_chain as kernels
+
     if model.n > kernels.MOST_SERVO_JOINTS:
         raise BadValueError("number of joints", model.n, f"at most {kernels.MOST_SERVO_JOINTS}")
     moved, known = dynamic_model(plant), dynamic_model(model)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property, partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from sensor_msgs.msg import JointState
@@ -15,17 +15,7 @@ from robomech_ros.kinematics import forward_kinematics, inverse_kinematics, inve
 from robomech_ros.kinematics.inverse.families.selection import family_of
 from robomech_ros.kinematics.inverse.first_solution import first_solution
 from robomech_ros.kinematics.inverse.result.contacts import without_contacts
-from robomech_ros.kinetostatics import (
-    SingularityReport,
-    Workspace,
-    characteristic_length,
-    condition_number,
-    point_jacobian,
-    reach_limits,
-)
-from robomech_ros.kinetostatics.singularities.report import posture_report
-from robomech_ros.kinetostatics.workspace.boundary import positioning_boundary
-from robomech_ros.kinetostatics.workspace.positioning_part import positioning_part
+from robomech_ros.kinetostatics import point_jacobian
 from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.joints.joint_positions import JointPositions
 from robomech_ros.nodes.common.robot.robot_description import RobotModel
@@ -35,13 +25,16 @@ from robomech_ros.nodes.kinematics.messages import inverse_options, wants_first
 from robomech_ros.robots import SerialChain
 from robomech_ros.typing import Array, BoolArray, IntArray
 
+if TYPE_CHECKING:
+    from robomech_ros.kinetostatics import SingularityReport, Workspace
+
 
 class _ReachableSpace(NamedTuple):
     """Workspace of a chain, the same for all poses."""
 
     reach: tuple[float, float]  #: Least and greatest distance of the tip from the first joint (m).
     length: float  #: Characteristic length (m); NaN for an arm that has none.
-    boundary: Workspace | None  #: None for an arm without a positioning part.
+    boundary: "Workspace | None"  #: None for an arm without a positioning part.
     centre: Array  #: The point that this part places, in the frame of the tip (m), shape (3,).
     markers: list[Marker]  #: Drawing of the boundary.
 
@@ -134,6 +127,9 @@ class ChainManipulator:
 
     async def singularity(self, way: SerialChain, q: Array, point: Array) -> PostureReport:
         """Judge a posture, and the motions of a point (3,) of the tip link (m)."""
+        # What is compiled for it is loaded with the first report.
+        from robomech_ros.kinetostatics.singularities.report import posture_report
+
         if way not in self._measured:
             # The first report finds the characteristic length, which takes a second or two.
             await self._worker.do(partial(posture_report, way, q))
@@ -164,6 +160,8 @@ class ChainManipulator:
 
     def condition_numbers(self, q: Array) -> Array:
         """Return the normalised condition numbers (k,) of postures (k, n), else infinity."""
+        from robomech_ros.kinetostatics import condition_number
+
         length = self._known.length
         if math.isnan(length) or not len(q):
             return np.full(len(q), np.inf)
@@ -194,6 +192,10 @@ class ChainManipulator:
 
 def _reachable_space(chain: SerialChain) -> _ReachableSpace:
     """Find the workspace, which is the same for all poses; this takes some seconds."""
+    from robomech_ros.kinetostatics import characteristic_length, reach_limits
+    from robomech_ros.kinetostatics.workspace.boundary import positioning_boundary
+    from robomech_ros.kinetostatics.workspace.positioning_part import positioning_part
+
     try:
         length = float(characteristic_length(chain))
     except RobomechError:
@@ -208,7 +210,7 @@ def _reachable_space(chain: SerialChain) -> _ReachableSpace:
     return _ReachableSpace(reach_limits(chain), length, boundary, centre, markers)
 
 
-def _summary(report: SingularityReport) -> str:
+def _summary(report: "SingularityReport") -> str:
     if not report.singular:
         # More joints than freedoms leave singular values of zero, which say nothing of the posture.
         largest, least = report.singular_values[0], report.singular_values[report.rank - 1]
