@@ -293,7 +293,7 @@ def test_an_arm_is_drawn_on_its_floating_base(graph, browse):
         w, *xyz = node.wxyz
         np.testing.assert_allclose(matrix_from_quaternion([*xyz, w]), T[:3, :3], atol=1e-9)
     seen = visible_points(stage._seen, [browser.page._arm.positions])
-    around = all_points(browser.page._layers[0]._place)
+    around = all_points(browser.page._layers[0]._context)
     np.testing.assert_allclose(around[: len(seen)], seen @ T[:3, :3].T + T[:3, 3], atol=1e-9)
 
 
