@@ -36,11 +36,11 @@ PARALLEL := -n auto --maxprocesses 8 -rs $(LONGEST)
 PATIENT := --timeout 1800
 COMPUTING := $(PARALLEL) $(PATIENT) --ignore=test/nodes --ignore=test/installed --ignore=test/rvs
 # Nodes and robots mostly wait: three workers keep two cores no more than half busy.
-WAITING := -n 3 -rs $(LONGEST)
+WAITING := -n $(shell echo $$(($$(nproc) < 8 ? $$(nproc) + 1 : 8))) -rs $(LONGEST)
 ANSWERING := $(WAITING) --ignore=test/nodes/motion test/nodes test/rvs
 # Where Fast DDS takes a process down while a participant leaves, the test that ran
 # is named, and the others go on; not so with --dist loadgroup, which then hangs.
-MOVING := $(WAITING) test/nodes/motion
+MOVING := -n 3 -rs $(LONGEST) test/nodes/motion
 INSTALLED := $(PARALLEL) test/installed
 # What takes long without computing: robots that move, browsers, processes.
 QUICK := --ignore=test/nodes/motion --ignore=test/rvs/in_chromium --ignore=test/installed
@@ -92,7 +92,7 @@ test: setup ## everything: lint, all tests, colcon, the other distribution
 	@$(AT_ONCE) installed beside
 
 test-fast: setup ## what a developer runs again and again: one case of each test that is quick
-	$(PYTEST) -q -m "not slow and not long" --cases 1 $(PARALLEL) $(QUICK) test
+	$(PYTEST) -q -m "not slow and not long" --cases 1 $(WAITING) $(QUICK) test
 
 # Two rows: one after the other what has the processor first, and what takes the rest.
 moving:
