@@ -112,6 +112,7 @@ def test_a_value_beyond_a_limit_is_refused_in_words(page, commander):
     wait_until(lambda: page._panel._sliders[2].value == pytest.approx(page._arm.q[2]))
 
 
+@pytest.mark.slow
 def test_a_flood_is_slowed_down_and_harmless(page, client, commander):
     rng = np.random.default_rng(0)
     owner = str(page._audience.commander)

@@ -131,6 +131,7 @@ def test_call_with_a_bad_request(graph, capfd, request_text, words):
     assert run(capfd, "call", "servant/switch", "{data: true}")[0] == 0
 
 
+@pytest.mark.slow
 def test_call_of_a_service_that_is_not_there_lists_those_that_are(graph, capfd):
     graph.start(Servant)
     code, out, err = run(capfd, "call", "servant/swich", "--timeout", "6")

@@ -35,6 +35,7 @@ def hand(graph):
     return start
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(300)
 def test_a_gripper_is_opened_closed_and_brought_to_a_width(hand, capfd):
     hand(gripper_controller="panda_hand_controller", namespace="left")

@@ -81,6 +81,7 @@ def refused(graph, text):
     return graph.receive(DiagnosticArray, "/diagnostics", 10, says).status[0].message
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gait", ROBOTS)
 def test_every_gait_follows_twists_and_stops_with_all_feet_down(graph, gait):
     name = ROBOTS[gait]
@@ -280,6 +281,7 @@ def test_what_is_refused_again_and_again_does_not_fill_the_log(graph):
     assert 0 < len(texts) <= MOST_LOGGED**2 // 2
 
 
+@pytest.mark.slow
 def test_a_robot_that_lies_rises_at_the_first_command_and_again_after_others_moved_it(graph):
     robot = load_legged("phantomx")
     lying = (robot.home + np.tile([0.0, 0.5, 0.0], 6)).tolist()
