@@ -81,7 +81,7 @@ def agree(scene, judge, postures):
             assert scene.is_free(q, clearance=found.distance - 1e-7)
             assert not scene.is_free(q, clearance=found.distance + 1e-7)
         # A search of coal that begins elsewhere ends elsewhere within its tolerance.
-        assert batch.distance[k] == pytest.approx(found.distance, abs=1e-10)
+        assert batch.distance[k] == pytest.approx(found.distance, abs=near)
         assert batch.bodies[k] == found.bodies
         np.testing.assert_allclose(batch.points[k], found.points, atol=1e-5)
     return apart, deep
