@@ -73,8 +73,10 @@ def agree(scene, judge, postures):
         if frozenset(found.bodies) != bodies:
             # Two pairs as near as each other.
             assert judge.distance_of(found.bodies, q) == pytest.approx(expected, abs=near)
-        between = np.linalg.norm(found.points[1] - found.points[0])
-        assert between == pytest.approx(abs(found.distance), abs=1e-6)
+        # Beside a flat face the nearest points may slide.
+        for points in (found.points, batch.points[k]):
+            between = np.linalg.norm(points[1] - points[0])
+            assert between == pytest.approx(abs(found.distance), abs=1e-6)
         assert free[k] == scene.is_free(q) == (found.distance > 0.0)
         if found.distance > 1e-6:
             # The search for a plane between hulls decides the same, on both sides.
@@ -83,7 +85,6 @@ def agree(scene, judge, postures):
         # A search of coal that begins elsewhere ends elsewhere within its tolerance.
         assert batch.distance[k] == pytest.approx(found.distance, abs=near)
         assert batch.bodies[k] == found.bodies
-        np.testing.assert_allclose(batch.points[k], found.points, atol=1e-5)
     return apart, deep
 
 
