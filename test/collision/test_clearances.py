@@ -88,7 +88,7 @@ def agree(scene, judge, postures):
     return apart, deep
 
 
-# Of five robots: 100,000 postures.
+# The long cases of five robots have 100,000 postures.
 @pytest.mark.parametrize("scenes", [2, pytest.param(334, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", ROBOTS)
 def test_distances_are_those_of_pinocchio(make, name, scenes, record_property):

@@ -121,7 +121,7 @@ def check(scene, judge, motion):
 
 
 @pytest.mark.slow
-# Of three robots: 10,000 motions.
+# The long cases of three robots have 10,000 motions.
 @pytest.mark.parametrize("scenes", [3, pytest.param(170, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", ["six", "sliding", pytest.param("panda", marks=in_cell)])
 def test_no_motion_is_proved_that_sampling_finds_in_contact(name, scenes, record_property):

@@ -34,7 +34,7 @@ def translation(robot, q, direction, speed, seconds=1.5, period=0.01):
     return drive, *deviation(drive, direction)
 
 
-# Of eight directions, every fourth one is tried: other ones of the next robot.
+# Every fourth of eight directions is tried, and other ones for the next robot.
 @pytest.mark.parametrize("every", [4, pytest.param(1, marks=pytest.mark.long)])
 @pytest.mark.parametrize("robot", WHOLE)
 def test_from_zeros_the_tip_stays_on_its_line_or_stands(robot, every):

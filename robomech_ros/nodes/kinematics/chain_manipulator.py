@@ -127,7 +127,7 @@ class ChainManipulator:
 
     async def singularity(self, way: SerialChain, q: Array, point: Array) -> PostureReport:
         """Judge a posture, and the motions of a point (3,) of the tip link (m)."""
-        # What is compiled for it is loaded with the first report.
+        # Compiled code for reports is loaded with the first one.
         from robomech_ros.kinetostatics.singularities.report import posture_report
 
         if way not in self._measured:
