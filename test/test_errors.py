@@ -127,3 +127,9 @@ def test_no_error_shows_an_address(value):
 def test_an_object_without_a_representation_is_shown_by_its_type():
     text = str(errors.BadValueError("chain", _WithoutRepresentation(), "a chain"))
     assert text == f"chain is <{__name__}._WithoutRepresentation>, expected a chain"
+
+
+@pytest.mark.parametrize("number", [np.float64(1e14), np.int64(7), np.bool_(True), np.array(2.5)])
+def test_numbers_of_numpy_are_shown_as_numbers(number):
+    assert "np." not in errors.format_value(number) and "array" not in errors.format_value(number)
+    assert errors.format_value(number) == repr(number.item())

@@ -28,6 +28,8 @@ def format_value(value: object) -> str:
     >>> format_value("elbow" * 1000)[-30:]
     'elbowelbo... (5002 characters)'
     """
+    if getattr(value, "shape", None) == () and hasattr(value, "item"):
+        value = value.item()  # NumPy shows the types of its numbers, too
     text = _ADDRESS.sub("", repr(value))
     if len(text) > LONGEST_VALUE:
         text = f"{text[:LONGEST_VALUE]}... ({len(text)} characters)"
