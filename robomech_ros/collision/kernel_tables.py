@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections import Counter
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -14,7 +15,7 @@ from robomech_ros.collision.placed_bodies import PlacedBody
 from robomech_ros.collision.sphere_cover import sphere_around
 from robomech_ros.typing import Array, IntArray
 
-_NO_PAIRS, _NO_SPHERES, _NO_CORNERS = np.empty((0, 5)), np.empty((0, 8)), np.empty((0, 3))
+_NO_SPHERES, _NO_CORNERS = np.empty((0, 8)), np.empty((0, 3))
 _NO_NUMBERS = np.empty(0, dtype=np.int64)
 # Most scenes of a robot with kept bounds; they differ in joints beside the chain.
 _MOST_KNOWN = 4
@@ -86,19 +87,20 @@ def _bodies_around_groups(
 ) -> tuple[Array, Array]:
     """Return rows of bodies and spheres around groups of pairs; write their numbers to grids."""
     sides = [_side(placed, k) for k in range(len(placed))]
-    members: dict[tuple[str, int], list[int]] = {}
-    for k, side in enumerate(sides):
-        members.setdefault(side, []).append(k)
+    counts = Counter(sides)
+    order = {side: i for i, side in enumerate(counts)}
+    of_sides = np.array([order[side] for side in sides])[of_spheres]
     numbers: dict[tuple[str, int], int] = {}
     bodies, around = [np.empty((0, 8))], [np.empty((0, 4))]
-    for row in grids:
+    firsts = pairs[grids[:, 3].astype(int), :2].astype(int).tolist()
+    for row, pair in zip(grids, firsts, strict=True):
         if row[4] == row[3] + 1:
             continue
-        for i, k in enumerate(pairs[int(row[3]), :2].astype(int).tolist()):
-            alone = len(members[sides[k]]) == 1
+        for i, k in enumerate(pair):
+            alone = counts[sides[k]] == 1
             if not alone and sides[k] not in numbers:
                 numbers[sides[k]] = len(placed) + len(numbers)
-                covers = spheres[np.isin(of_spheres, members[sides[k]])]
+                covers = spheres[of_sides == order[sides[k]]]
                 around.append(sphere_around(covers)[None])
                 bodies.append(np.array([[placed[k].frame, 0, 0, SPHERES, 0, 0, 0, 0]], dtype=float))
             row[5 + i] = k if alone else numbers[sides[k]]
@@ -121,6 +123,7 @@ def list_pairs(
     parts: dict[tuple[str, int, bool], list[int]] = {}
     for k, one in enumerate(placed):
         parts.setdefault((one.owner, one.frame, len(one.spheres) > 0), []).append(k)
+    firsts_of_rows, counts = list[int](), list[int]()
     rows, groups = [], dict[tuple[tuple[str, int], ...], int]()
     for firsts, seconds in itertools.combinations(parts.values(), 2):
         one, other = placed[firsts[0]], placed[seconds[0]]
@@ -130,9 +133,12 @@ def list_pairs(
         lost = 0.0 if len(other.spheres) else padding
         for j in seconds:
             group = groups.setdefault((sides[firsts[0]], sides[j]), len(groups))
-            rows += [(i, j, common, lost, group) for i in firsts]
-    rows.sort(key=lambda row: row[4])
-    return np.array(rows, dtype=np.float64) if rows else _NO_PAIRS
+            firsts_of_rows += firsts
+            counts.append(len(firsts))
+            rows.append((j, common, lost, group))
+    others = np.array(rows, dtype=np.float64).reshape(-1, 4)
+    pairs = np.column_stack([firsts_of_rows, np.repeat(others, counts, axis=0)])
+    return pairs[np.argsort(pairs[:, 4], kind="stable")]
 
 
 def group_grids(
@@ -183,12 +189,16 @@ def _two_drives(joints: Array, frames: tuple[int, int], common: int) -> list[int
 
 def _hulls(placed: Sequence[PlacedBody], poses: Array) -> tuple[Array, IntArray]:
     """Return the corners (k, 5) of all bodies in their frames, and their neighbours."""
-    corners, edges = [one.body.corners for one in placed], [one.body.edges for one in placed]
+    edges = [one.body.edges for one in placed]
+    corners = [
+        one.body.corners @ pose[:3, :3].T + pose[:3, 3]
+        for one, pose in zip(placed, poses, strict=True)
+    ]
     sizes = np.array([len(one) for one in corners], dtype=np.int64)
     lengths = np.array([len(one) for one in edges], dtype=np.int64) - sizes - 1
     of_corners = np.repeat(np.arange(len(placed)), sizes)
     rows = np.empty((len(of_corners), 5))
-    rows[:, :3] = _moved(poses[of_corners], np.concatenate([_NO_CORNERS, *corners]))
+    rows[:, :3] = np.concatenate([_NO_CORNERS, *corners])
     before = (np.cumsum(lengths) - lengths)[of_corners]
     for column, first in ((3, 0), (4, 1)):
         starts = [one[first : first + size] for one, size in zip(edges, sizes, strict=True)]

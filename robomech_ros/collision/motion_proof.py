@@ -39,7 +39,7 @@ _sweep, _group_part = direct(sweep), direct(group_part)
 # Travel (m) below which hulls decide what spheres do not, and travel below which coal does.
 _STEP, _FINE = 0.03, 1e-4
 # Travel of bodies (m) between the sampled postures of a motion before its proof.
-_LOOK = 0.015
+_LOOK = 0.03
 # Travel (m) below which a part is not halved any more, and one that locates a contact well enough.
 RESOLUTION = 1e-5
 _FIRST = 1e-4

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from enum import Enum
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,6 +27,9 @@ from robomech_ros.typing import Array
 
 # The longest step of a tree (rad and m together), of two that grow to each other and of others.
 _RANGE, _FAR = 0.8, 1.5
+# Most paths stay this near to the start and the goals (rad or m): samples come from there until
+# so many motions have been tried.
+_NEARBY, _NEARBY_MOTIONS = 1.75, 5000
 # Fractions of a motion at which contact is tested first, one for each longer step.
 _LOOKS = (0.5, 0.25, 0.75)
 # Tolerance of the least distance (m).
@@ -226,9 +230,10 @@ class _Search:
 
     def _sampled(self, start: Array, goals: Array) -> Array | None:
         base, geometric = ompl().base, ompl().geometric
-        n = self._scene.chain.n
+        chain, known = self._scene.chain, np.vstack([start, goals])
+        n, bounds = chain.n, partial(_bounds, chain, known.min(axis=0), known.max(axis=0))
         space = base.RealVectorStateSpace(n)
-        space.setBounds(_bounds(self._scene.chain, np.vstack([start, goals])))
+        space.setBounds(bounds(_NEARBY if self._is_first else math.inf))
         information = base.SpaceInformation(space)
         # The motions that end at a state check it.
         information.setStateValidityChecker(lambda _: True)
@@ -253,7 +258,15 @@ class _Search:
                 planner.setRange(_RANGE if self._is_first else _FAR)
             planner.setProblemDefinition(task)
             planner.setup()
-            planner.solve(base.PlannerTerminationCondition(self._is_over))
+            if self._is_first:
+                last = self.tried + _NEARBY_MOTIONS
+                condition = base.PlannerTerminationCondition(
+                    lambda: self.tried > last or self._is_over()
+                )
+                planner.solve(condition)
+                space.setBounds(bounds(math.inf))
+            if not task.hasExactSolution():
+                planner.solve(base.PlannerTerminationCondition(self._is_over))
             if not task.hasExactSolution():
                 return None
             states = task.getSolutionPath().getStates()
@@ -289,15 +302,18 @@ def _state(space: Any, q: Array) -> Any:
     return state
 
 
-def _bounds(chain: SerialChain, known: Array) -> Any:
-    """Return the limits of all joints; without limits half a turn beyond the known postures."""
+def _bounds(chain: SerialChain, low: Array, high: Array, margin: float) -> Any:
+    """Return the limits of all joints, but no farther than a margin beyond two postures (n,).
+
+    Joints without limits turn at most half a turn beyond them.
+    """
     bounds = ompl().base.RealVectorBounds(chain.n)
-    low, high = known.min(axis=0), known.max(axis=0)
+    margins = np.where(np.isfinite(chain.upper - chain.lower), margin, min(margin, np.pi))
+    lower = np.minimum(np.maximum(chain.lower, low - margins), low)
+    upper = np.maximum(np.minimum(chain.upper, high + margins), high)
     for i in range(chain.n):
-        lower = chain.lower[i] if np.isfinite(chain.lower[i]) else low[i] - np.pi
-        upper = chain.upper[i] if np.isfinite(chain.upper[i]) else high[i] + np.pi
-        bounds.setLow(i, float(min(lower, low[i])))
-        bounds.setHigh(i, float(max(upper, high[i])))
+        bounds.setLow(i, float(lower[i]))
+        bounds.setHigh(i, float(upper[i]))
     return bounds
 
 

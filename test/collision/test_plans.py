@@ -297,6 +297,14 @@ def test_no_path_in_time_is_said():
     assert float(nearest[0]) < 0.0
 
 
+def test_the_only_gap_is_far_from_start_and_goal():
+    scene = table()
+    scene.add("wall", Box(0.01, 4.2, 1.0), at(0.0, -0.4, 0.0))
+    start, goal = np.array([[-0.2, -1.5], [0.2, -1.5]])
+    plan = solved(scene, start, goal)
+    assert plan.waypoints[:, 1].max() > 1.75
+
+
 def arm_of(count):
     """Return the URDF of an arm of so many joints, alternately about z and y."""
     axes = ["0 0 1", "0 1 0", "0 1 0", "1 0 0", "0 1 0", "1 0 0", "0 1 0"]
