@@ -65,7 +65,7 @@ def fill_tables(
         np.concatenate([_as_rows(poses @ shapes), sizes], axis=1),
         _as_rows(poses),
         pairs,
-        *_hulls(placed, poses),
+        *_hulls(placed),
         np.zeros((len(pairs), 5)),
         *grids,
     )
@@ -187,13 +187,10 @@ def _two_drives(joints: Array, frames: tuple[int, int], common: int) -> list[int
     return drives if len(set(drives)) == len(drives) <= 2 else []
 
 
-def _hulls(placed: Sequence[PlacedBody], poses: Array) -> tuple[Array, IntArray]:
+def _hulls(placed: Sequence[PlacedBody]) -> tuple[Array, IntArray]:
     """Return the corners (k, 5) of all bodies in their frames, and their neighbours."""
     edges = [one.body.edges for one in placed]
-    corners = [
-        one.body.corners @ pose[:3, :3].T + pose[:3, 3]
-        for one, pose in zip(placed, poses, strict=True)
-    ]
+    corners = [one.corners for one in placed]
     sizes = np.array([len(one) for one in corners], dtype=np.int64)
     lengths = np.array([len(one) for one in edges], dtype=np.int64) - sizes - 1
     of_corners = np.repeat(np.arange(len(placed)), sizes)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -15,7 +16,8 @@ from robomech_ros.typing import Array
 _NO_SPHERES = np.empty((0, 8))
 
 
-class PlacedBody(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class PlacedBody:
     """A body of a link or an object.
 
     Attributes
@@ -42,23 +44,31 @@ class PlacedBody(NamedTuple):
     around: Array
     is_carried: bool = False
 
+    @cached_property
+    def corners(self) -> Array:
+        """Corners of the hull in the frame that the body moves with (k, 3), m."""
+        corners: Array = self.body.corners @ self.pose[:3, :3].T + self.pose[:3, 3]
+        return corners
 
-def place_robot(
-    bodies: Sequence[LinkBody], links: Mapping[str, LinkPlace], objects: Iterable[SceneObject]
+
+def place_bodies(
+    bodies: Sequence[LinkBody], links: Mapping[str, LinkPlace]
 ) -> Iterator[PlacedBody]:
-    """Yield the bodies of links, then those of the objects that links carry."""
+    """Yield the bodies of links."""
     for link, body, pose, spheres, around in bodies:
         frame, place = links[link]
         yield PlacedBody(link, frame, place @ pose, body, spheres, around)
+
+
+def place_objects(
+    objects: Collection[SceneObject], links: Mapping[str, LinkPlace]
+) -> Iterator[PlacedBody]:
+    """Yield the bodies of the objects that links carry, then those of the others in the base."""
     for one in objects:
         if one.link:
             frame, place = links[one.link]
             for (_, body, pose), cover in zip(one.parts, one.covers, strict=True):
                 yield PlacedBody(one.name, frame, place @ one.pose @ pose, body, *cover, True)
-
-
-def place_world(objects: Iterable[SceneObject]) -> Iterator[PlacedBody]:
-    """Yield the bodies of the objects that no link carries, in the base."""
     for one in objects:
         if not one.link:
             for _, body, pose in one.parts:

@@ -17,8 +17,8 @@ from robomech_ros.collision.distances import Clearance, Distances, checked_clear
 from robomech_ros.collision.motion_proof import MotionCheck, check_motion
 from robomech_ros.collision.placed_bodies import (
     PlacedBody,
-    place_robot,
-    place_world,
+    place_bodies,
+    place_objects,
     reason_to_ignore,
 )
 from robomech_ros.collision.planning import PathPlan, PlanRequest, plan_path
@@ -88,11 +88,10 @@ class PlanningScene:
         self.chain = chain_of(robot, base, tip)
         expected = f"0 to {LARGEST_PADDING:g} m"
         self.padding = finite_within("padding", padding, expected, 0.0, LARGEST_PADDING)
-        self._others: dict[str, float] = {}
         self._objects: dict[str, SceneObject] = {}
         self._known_bounds: dict[bytes, Array] = {}
         self._links, self.unchecked = link_bodies(self.chain.description)
-        self._places = place_links(self.chain, self._others)
+        self._place_links({})
         with_shapes = {link for link, *_ in self._links}
         self._allowed = ignored_links(self.chain.description, srdf, with_shapes)
         self._allowed.update(touching_pairs(self.chain, self.distances))
@@ -241,10 +240,13 @@ class PlanningScene:
         own = [name for name in positions if name in self.chain.joint_names]
         if own:
             raise BadValueError("joint", own[0], "one that is none of the chain")
-        others = {**self._others, **positions}
-        self._places = place_links(self.chain, others)
-        self._others = others
+        self._place_links({**self._others, **positions})
         self._changed()
+
+    def _place_links(self, others: dict[str, float]) -> None:
+        self._places = place_links(self.chain, others)
+        self._placed = list(place_bodies(self._links, self._places.links))
+        self._others = others
 
     def load(self, scene: Mapping[str, Any] | str | os.PathLike[str]) -> None:
         """Add a scene of MoveIt, from a file or a mapping in its layout, as a whole or not at all.
@@ -357,8 +359,7 @@ class PlanningScene:
     @cached_property
     def distances(self) -> Distances:
         """Distances of all checked pairs of the present scene."""
-        links, objects = self._places.links, self._objects.values()
-        placed = [*place_robot(self._links, links, objects), *place_world(objects)]
+        placed = [*self._placed, *place_objects(self._objects.values(), self._places.links)]
 
         def checked(first: PlacedBody, second: PlacedBody) -> bool:
             return first.owner != second.owner and not self._reason(first.owner, second.owner)
