@@ -1,4 +1,4 @@
-"""The remaining joints of an arm with three parallel axes, once axes a and 5 are known."""
+"""The remaining joints of an arm with three parallel axes, given the angles of axes a and 5."""
 
 import math
 
@@ -11,9 +11,9 @@ from robomech_ros._kernels.inverse.parallel.pairs import z_in_frame_6
 from robomech_ros._kernels.spatial.vectors import rotated
 from robomech_ros._kernels.tolerances import NEAR_DOUBLE
 
-# Below this (sine, or distance over size) a direction is rounding: the joint is free to turn.
+# Below this (sine, or distance over size) a direction is only rounding, and the joint is free.
 PARALLEL_FREE = 1e-10
-# The same at a double root of skew axes 5 and 6, known to the square root of its rounding only.
+# The same at a double root with skew axes 5 and 6, which has half of the digits.
 PARALLEL_FREE_AT_FOLD = 1e-7
 
 MAX_SOLUTIONS = 16
@@ -21,7 +21,7 @@ MAX_SOLUTIONS = 16
 
 @lean
 def _through_wrist(data, G, x, y, z, far, turns):
-    """Take a point (far = 1) or a direction (far = 0) of frame 5 back through axes 5 and 6."""
+    """Transform a point (far = 1) or direction (far = 0) of frame 5 back through axes 5 and 6."""
     _, _, _, c5, s5, d5, c6, s6, d6 = turns
     x, y, z = c5 * x + s5 * y, c5 * y - s5 * x, z - far * d5
     cos56 = data[at.COS_56]
@@ -37,10 +37,10 @@ def _through_wrist(data, G, x, y, z, far, turns):
 
 @lean
 def carried(data, G, k, far, turns):
-    """Map a point or direction by the motion that remains for the parallel axes, in F.
+    """Return the point or direction at ``k`` of the data after the motion of the parallel axes.
 
-    ``k`` says where its coordinates stand in the data: POINT with far = 1, HEADING with 0.
-    ``turns`` are cosine, sine and displacement of axes a, 5 and 6.
+    It is in F; ``k`` is POINT with far = 1, HEADING with far = 0.  ``turns`` are cosine, sine and
+    displacement of axes a, 5 and 6.
     """
     x = data[k]
     y = data[k + 1]
@@ -62,7 +62,7 @@ def carried(data, G, k, far, turns):
 def nearest_in_reach(data, circle, seed):
     """Choose the free angle nearest to ``seed`` within reach of the planar arm.
 
-    The point to reach runs over a circle, given by the points (x, y) at 0, 90 and 180 degrees.
+    The target point moves on a circle, given by its points (x, y) at 0, 90 and 180 degrees.
     Returns whether there is such an angle, and the angle.
     """
     c0x, c0y, c1x, c1y, c2x, c2y = circle
@@ -99,10 +99,10 @@ def nearest_in_reach(data, circle, seed):
 
 @lean
 def arm_angles(data, px, py, heading, seed2, elbow):
-    """Angles of the planar arm that takes its last axis to (px, py) and x of F to ``heading``.
+    """Solve the planar arm for its last axis at (px, py) and x of F turned to ``heading``.
 
-    Returns bits, the three angles about z and the distance (m) left; bits -1 where it is out of
-    reach, or where there is no second solution.
+    Returns bits, the three angles about z and the remaining distance (m).  The bits are -1 if the
+    point is out of reach or has no second solution.
     """
     l1 = data[at.LINK_1]
     l2 = data[at.LINK_2]
@@ -114,13 +114,13 @@ def arm_angles(data, px, py, heading, seed2, elbow):
     double = 2.0 * l1 * l2
     cosine = (reach * reach - l1 * l1 - l2 * l2) / double
     square = (l1 + l2 - reach) * (l1 + l2 + reach) * (reach - l1 + l2) * (reach + l1 - l2)
-    # Nearer to its fold the elbow is at it, exactly: there its two solutions are one, and where
-    # that is half a turn from a limit, it must not be beyond by the root of a rounding.
+    # Near its fold the elbow is set on the fold, where its two solutions coincide: at half a turn
+    # from a limit the square root of a rounding would put it outside.
     sine = math.sqrt(square) / double if square > DOUBLE_ROOT * double * double else 0.0
     bits = 0
     if sine < NEAR_DOUBLE:
         bits = bit.BOUNDARY
-    sine = max(sine, data[at.SPREAD])
+    sine = max(sine, data[at.ROOT_SPLIT])
     if elbow == 1 and sine == 0.0:
         return -1, 0.0, 0.0, 0.0, 0.0
     if elbow == 1:
@@ -142,7 +142,7 @@ def arm_angles(data, px, py, heading, seed2, elbow):
 
 @lean
 def _turn_in_reach(data, G, seed, turns, six_free):
-    """Choose the angle of axis 5 or 6 where that is parallel to the three and free to turn."""
+    """Choose the angle of axis 5 or 6 if it is free, parallel to the three axes."""
     ca, sa, da, c5, s5, d5, c6, s6, d6 = turns
     circle = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for k in range(4):
@@ -165,13 +165,13 @@ def _turn_in_reach(data, G, seed, turns, six_free):
 
 @lean
 def wrist_turns(data, G, seed, pair):
-    """Find the turns of axes a, 5 and 6 for a pair, with bits (-1: none) and the error left."""
+    """Return the bits (-1: none), the turns of axes a, 5 and 6, and the error left of a pair."""
     gamma = pair[2]
     v1 = pair[3]
     v2 = pair[4]
     bits = int(pair[7])
     sliding = data[at.SLIDING]
-    # z as the target demands it (a) and as axis 5 brings it (b) must agree but for axis 6.
+    # z required by the target (a) and z turned by axis 5 (b) must differ by a turn of axis 6 only.
     a1, a2, a3 = z_in_frame_6(data, G, pair[0], pair[1])
     b1 = v2
     b2 = data[at.SIN_56] * gamma - data[at.COS_56] * v1
@@ -224,7 +224,7 @@ def lack_of_reach(data, G, seed, pair):
 
 @lean
 def _wrist_values(data, turns):
-    """Joint values of axes a, 5 and 6."""
+    """Return the joint values of axes a, 5 and 6."""
     ca, sa, da, c5, s5, d5, c6, s6, d6 = turns
     sliding = data[at.SLIDING]
     return (
@@ -247,7 +247,7 @@ def _enter(data, q, wrist, first, second, third):
 
 @lean
 def finish_pair(data, G, seed, pair, named, q, branch, errors, count):
-    """Add the solutions of one pair (q_a, q_5) to q; return how many there are now."""
+    """Add the solutions of one pair (q_a, q_5) to q; return the number of solutions."""
     bits, turns, error = wrist_turns(data, G, seed, pair)
     if bits < 0:
         return count

@@ -1,4 +1,4 @@
-"""Axis a free to turn: representatives of a continuum of an arm with three parallel axes."""
+"""Representatives of a continuum with axis a free, for an arm with three parallel axes."""
 
 import math
 
@@ -15,14 +15,14 @@ from robomech_ros._kernels.inverse.parallel.pairs import (
 )
 from robomech_ros._kernels.inverse.parallel.slides import write_sliding_pair
 
-# Scan steps to either side of a free shoulder for the nearest angle in reach; narrower
-# ranges are found by the minimum between three steps.
+# Scan steps to either side of a free shoulder for the nearest angle in reach.  Narrower ranges are
+# found by the minimum between three steps.
 CONTINUUM_STEPS = 48
 
 
 @lean_part(f8(IN1, F12, IN1, f8, i8, OUT1))
 def _lack(data, G, seed, qa, wrist, pair):
-    """Write the pair of this q_a and wrist; return how far it is from being a solution."""
+    """Write the pair of this q_a and wrist; return its distance from a solution."""
     c = math.cos(qa)
     s = math.sin(qa)
     bits = SHOULDER_SINGULAR | wrist * WRIST_FLIP
@@ -31,8 +31,8 @@ def _lack(data, G, seed, qa, wrist, pair):
         return lack + lack_of_reach(data, G, seed, pair) / data[at.SIZE]
     if data[at.KIND] == at.SKEW:
         k1, c1, s1, k2, c2, s2 = equations(data, G)
-        # As for meeting axes, the first component is known and the second one open; here the
-        # second equation holds for one sign of it.
+        # As for intersecting axes, the first component is known and the sign of the second open;
+        # here the second equation holds for one sign.
         factor = data[at.SIN_56]
     else:
         factor, k1, c1, s1, k2, c2, s2 = separated(data, G)
@@ -48,7 +48,7 @@ def _lack(data, G, seed, qa, wrist, pair):
 
 @lean
 def _refined(data, G, seed, wrist, low, high, pair):
-    """Find the least lack between two angles by golden section."""
+    """Return the angle of the smallest lack between two angles, by golden section."""
     ratio = 0.6180339887498949
     x = high - ratio * (high - low)
     y = low + ratio * (high - low)
@@ -68,7 +68,7 @@ def _refined(data, G, seed, wrist, low, high, pair):
 
 @lean
 def _edge(data, G, seed, wrist, outside, inside, pair):
-    """Find the edge of the range that is in reach, on its inner side, by bisection."""
+    """Return the edge of the range in reach, on its inner side, by bisection."""
     for _ in range(50):
         middle = 0.5 * (outside + inside)
         if _lack(data, G, seed, middle, wrist, pair) <= PARALLEL_FREE:
@@ -80,7 +80,7 @@ def _edge(data, G, seed, wrist, outside, inside, pair):
 
 @lean
 def _nearest(data, G, seed, wrist, pair):
-    """Find the q_a nearest to its seed that allows a solution, and write its pair."""
+    """Write the pair of the q_a nearest to its seed with a solution; return whether it exists."""
     start = seed[int(data[at.JOINTS])]
     if _lack(data, G, seed, start, wrist, pair) <= PARALLEL_FREE:
         return True
@@ -115,7 +115,7 @@ def _nearest(data, G, seed, wrist, pair):
 
 @lean_part(i8(IN1, F12, IN1, OUT2))
 def free_pairs(data, G, seed, pairs):
-    """Write one pair for each wrist that has a solution; return how many."""
+    """Write one pair for each wrist that has a solution; return their number."""
     count = 0
     for wrist in range(2):
         if _nearest(data, G, seed, wrist, pairs[count]):

@@ -1,13 +1,13 @@
 """The angles of axes a and 5 of an arm with three parallel axes.
 
-The three parallel axes keep their common direction z and the height along it.  Written for the
-motion that they have to make, with the other axes out of the way, that is two equations
+The three parallel axes change neither their common direction z nor the height along it.  For the
+motion that remains for them, without the other axes, that gives two equations
 
     sin(alpha) v_1 = d_1(q_a),    a_5 v_2 = d_2(q_a),    v_1^2 + v_2^2 = 1 - gamma(q_a)^2
 
-where (gamma, v_1, v_2) is z seen from axis 5 after its turn, and gamma, d_1, d_2 are linear in
-the cosine and sine of q_a.  Axes 5 and 6 that meet (a_5 = 0) or are parallel (alpha = 0) separate
-them; otherwise q_a is a root of a trigonometric polynomial of order two (:mod:`.skew_pairs`).
+where (gamma, v_1, v_2) is z in the frame of axis 5 after its turn, and gamma, d_1, d_2 are linear
+in the cosine and sine of q_a.  They separate if axes 5 and 6 intersect (a_5 = 0) or are parallel
+(alpha = 0); else q_a is a root of a trigonometric polynomial of order two (:mod:`.skew_pairs`).
 
 A pair is a row [cos q_a, sin q_a, gamma, v_1, v_2, g_1, g_2, bits, slide], with (g_1, g_2) the
 same components of z before the turn of axis 5, and the displacement (m) of a prismatic axis.
@@ -25,7 +25,7 @@ from robomech_ros._kernels.tolerances import NEAR_DOUBLE
 
 MAX_PAIRS = 16
 PAIR_WIDTH = 9
-FREE = -1  # every q_a satisfies the equation that is to determine it
+FREE = -1  # every q_a satisfies its equation
 
 
 @lean
@@ -54,7 +54,7 @@ def equations(data, G):
 
 @lean
 def seen_from_axis_5(data, c, s):
-    """Return (gamma, g_1, g_2), the components of z along frame 5 before its turn."""
+    """Return (gamma, g_1, g_2), the components of z in frame 5 before its turn."""
     return (
         data[at.GAMMA] + data[at.GAMMA + 1] * c + data[at.GAMMA + 2] * s,
         data[at.FIRST] + data[at.FIRST + 1] * c + data[at.FIRST + 2] * s,
@@ -64,7 +64,7 @@ def seen_from_axis_5(data, c, s):
 
 @lean
 def z_in_frame_6(data, G, c, s):
-    """Return z in frame 6 as the target demands it, for this q_a."""
+    """Return z in frame 6 as required by the target, for this q_a."""
     if data[at.ORDER] == at.AXIS_BEFORE:
         axis = data[at.SIN_A] * c, data[at.SIN_A] * s, data[at.COS_A]
         return mixed(axis, G[:3], G[3:6], G[6:9])
@@ -73,11 +73,11 @@ def z_in_frame_6(data, G, c, s):
 
 @lean
 def _other_component(data, G, c, s, known, radius):
-    """Return the square of the component of z that the equations leave open up to its sign."""
+    """Return the square of the component of z whose sign the equations leave open."""
     square = (radius - known) * (radius + known)
     if data[at.KIND] == at.INTERSECTING and data[at.ORDER] == at.AXIS_BEFORE:
-        # With axis 6 near z the difference above has lost its digits; 1 -+ cosine of
-        # their angle from its sine has not.
+        # With axis 6 near z the difference above has no digits left; 1 -+ the cosine of their
+        # angle, computed from its sine, has all.
         x, y, cosine = z_in_frame_6(data, G, c, s)
         sine2 = x * x + y * y
         cos56 = data[at.COS_56]
@@ -94,9 +94,9 @@ def _other_component(data, G, c, s, known, radius):
 
 @lean
 def separated(data, G):
-    """Return both equations where they separate.
+    """Return both equations if they separate.
 
-    First the factor and (k, C, S) of the one with q_5, then those of the one that determines q_a.
+    First the factor and (k, C, S) of the equation with q_5, then (k, C, S) of that for q_a alone.
     """
     k1, c1, s1, k2, c2, s2 = equations(data, G)
     if data[at.KIND] == at.INTERSECTING:
@@ -106,7 +106,7 @@ def separated(data, G):
 
 @lean
 def write_pair(data, c, s, known, other, bits, pair):
-    """Enter a pair by the component of z that its equation gives and the one left open."""
+    """Write a pair from the known component of z and the open one."""
     gamma, g1, g2 = seen_from_axis_5(data, c, s)
     meeting = data[at.KIND] == at.INTERSECTING
     pair[0] = c
@@ -121,9 +121,9 @@ def write_pair(data, c, s, known, other, bits, pair):
 
 @lean
 def open_component(data, G, c, s, known):
-    """Return both components of z across axis 5 (the open one not negative) and their lack.
+    """Return both components of z perpendicular to axis 5 (open one >= 0) and their lack.
 
-    The lack is how far the known component exceeds what is left of the unit vector z.
+    The lack is the excess of the known component over the length of both.
     """
     _, g1, g2 = seen_from_axis_5(data, c, s)
     radius = math.sqrt(g1 * g1 + g2 * g2)
@@ -135,7 +135,7 @@ def open_component(data, G, c, s, known):
 
 @lean
 def moved_apart(x1, y1, x2, y2, least):
-    """Turn two angles, given by cosine and sine, from each other to at least twice ``least``."""
+    """Move two angles, given by cosine and sine, apart to at least twice ``least``."""
     half = 0.5 * math.atan2(x1 * y2 - y1 * x2, x1 * x2 + y1 * y2)
     if abs(half) >= least:
         return x1, y1, x2, y2
@@ -146,21 +146,21 @@ def moved_apart(x1, y1, x2, y2, least):
 
 @lean_part(i8(IN1, F12, OUT2))
 def separate_pairs(data, G, pairs):
-    """Find all pairs where axes 5 and 6 meet or are parallel; return their number or FREE."""
+    """Write all pairs for intersecting or parallel axes 5 and 6; return their number or FREE."""
     factor, k1, c1, s1, k2, c2, s2 = separated(data, G)
     slack = data[at.SLACK]
-    spread = data[at.SPREAD]
+    root_split = data[at.ROOT_SPLIT]
     found, x1, y1, x2, y2 = order_one_roots(k2, c2, s2, slack)
     if found < 0:
         return FREE
     near = 0
     if found == 1 or abs(x1 - x2) + abs(y1 - y2) < 2.0 * NEAR_DOUBLE:
         near = BOUNDARY
-    if found > 0 and spread > 0.0:
+    if found > 0 and root_split > 0.0:
         if found == 1:
             x2, y2 = x1, y1
         found = 2
-        x1, y1, x2, y2 = moved_apart(x1, y1, x2, y2, spread)
+        x1, y1, x2, y2 = moved_apart(x1, y1, x2, y2, root_split)
     count = 0
     for shoulder in range(found):
         c, s = (x1, y1) if shoulder == 0 else (x2, y2)
@@ -171,7 +171,7 @@ def separate_pairs(data, G, pairs):
         bits = near | (SHOULDER_RIGHT if shoulder == 1 else 0)
         if other < NEAR_DOUBLE:
             bits |= BOUNDARY
-        other = max(other, spread)
+        other = max(other, root_split)
         for wrist in range(2 if other > 0.0 else 1):
             value = -other if wrist == 0 else other
             write_pair(data, c, s, known, value, bits | wrist * WRIST_FLIP, pairs[count])

@@ -1,7 +1,7 @@
-"""The angles of axes a and 5 of an arm with three parallel axes, where axes 5 and 6 are skew.
+"""The angles of axes a and 5 of an arm with three parallel axes and skew axes 5 and 6.
 
-The two equations of :mod:`.pairs` then do not separate: q_a is a root of a trigonometric polynomial
-of order two, and both angles are improved on the equations themselves.
+The two equations of :mod:`.pairs` do not separate: q_a is a root of a trigonometric polynomial of
+order two, and Newton steps on both equations improve the angles.
 """
 
 import math
@@ -21,22 +21,22 @@ from robomech_ros._kernels.inverse.parallel.pairs import (
 )
 from robomech_ros._kernels.tolerances import NEAR_DOUBLE, SAME_POSTURE
 
-# If double roots of both equations for (q_a, q_5) coincide, four solutions have become one: the
-# fourth root of the rounding tells them apart, with room (sum over the components of a pair).
+# If double roots of both equations for (q_a, q_5) coincide, four solutions have become one.  This
+# is more than the fourth root of a rounding by which they differ (sum of components of a pair).
 FOURFOLD_APART = 5e-3
-# Error of the equations halfway between two that are one, with room for rounding: between two that
-# are not it is the square of the distance.
+# Largest error of the equations halfway between two coincident solutions; between different ones it
+# is the square of their distance.
 FOURFOLD_ERROR = 1e-13
-# How far (sine) from a double root its two solutions are sought, at first and at last.
+# Distances (sine) from a double root at which its two solutions are sought, first and last.
 FOLD_START = 3e-4
 FOLD_LEAST_START = 1e-8
-# Error of its two equations (of order one) that a pair (q_a, q_5) may keep: rounding, with room.
+# Accepted error of the two equations (of order one) of a pair (q_a, q_5): some roundings.
 PAIR_ERROR = 1e-12
-# Ratio of the factors of these equations below which the roots of the polynomial crowd together,
-# and starts are taken from the equations as if they separated, too.
+# Ratio of the factors of these equations below which the roots of the polynomial are close, and the
+# equations as if they separated give further starts.
 NEARLY_SEPARATE = 1e-2
 # An extremum of the polynomial for q_a this near to zero (of its largest value) is tried as a
-# double root: half the digits, with room; what is none fails the accuracy asked of the pair.
+# double root, which has half of the digits.  A wrong one fails the accuracy of the pair.
 PARALLEL_TOUCHING = 1e-7
 
 
@@ -59,14 +59,14 @@ def _misfit(data, d, x, y):
 
 @lean
 def _error(data, d, x, y):
-    """Return the error of the two equations."""
+    """Return the sum of the errors of the two equations."""
     _, _, _, _, _, _, f1, f2 = _misfit(data, d, x, y)
     return abs(f1) + abs(f2)
 
 
 @lean
 def _are_merged(data, d, x, y, pair):
-    """Tell whether a pair is the same double root as another: halfway between them is one, too."""
+    """Return whether two pairs are one double root: the equations also hold halfway between."""
     other_x = angle_of(pair[1], pair[0])
     v1, v2, g1, g2 = pair[3], pair[4], pair[5], pair[6]
     other_y = angle_of(g2 * v1 - g1 * v2, g1 * v1 + g2 * v2)
@@ -78,11 +78,11 @@ def _are_merged(data, d, x, y, pair):
 
 @lean
 def _polish_pair(data, d, x, y):
-    """Improve (q_a, q_5) by Newton steps, shortened where they do not help.
+    """Improve (q_a, q_5) by Newton steps, shortened until they help.
 
-    A step helps that lowers either the error of the equations or that of (v_1, v_2): where a
-    factor is small, the first hides its equation, and the second is full of rounding.  Returns
-    the angles, the error of the equations and the determinant of their derivatives.
+    A step helps if it lowers the error of the equations or that of (v_1, v_2): with a small factor
+    its equation hardly affects the first, and rounding dominates the second.  Returns the angles,
+    the error of the equations and the absolute determinant of their derivatives.
     """
     _, c1, s1, _, c2, s2 = d
     factor1 = data[at.SIN_56]
@@ -136,7 +136,7 @@ def _polish_pair(data, d, x, y):
 
 @lean
 def _keep_pair(data, d, x, y, determinant, pairs, count):
-    """Enter a pair unless it is there already; return the number of pairs."""
+    """Enter a pair unless it is listed; return the number of pairs."""
     c = math.cos(x)
     s = math.sin(x)
     gamma, g1, g2 = seen_from_axis_5(data, c, s)
@@ -166,7 +166,7 @@ def _keep_pair(data, d, x, y, determinant, pairs, count):
 
 @lean
 def _improve_pair(data, d, c, s, v1, v2, pairs, count):
-    """Improve what may be a pair, given by q_a and z across axis 5, and keep it if it is one."""
+    """Improve a candidate pair, given by q_a and z across axis 5, and enter it if it is one."""
     _, g1, g2 = seen_from_axis_5(data, c, s)
     x = angle_of(s, c)
     y = angle_of(g2 * v1 - g1 * v2, g1 * v1 + g2 * v2)
@@ -179,10 +179,10 @@ def _improve_pair(data, d, c, s, v1, v2, pairs, count):
 
 @lean
 def _add_pairs(data, d, c, s, pairs, count):
-    """Improve what may be a pair for both signs of the open component of z, and keep it.
+    """Improve candidate pairs for both signs of the open component of z, and enter the pairs.
 
-    The equation with the larger factor gives the other component; near a double root the search
-    starts to both sides of it, and where that is one of both equations, next to it as well.
+    The equation with the larger factor gives the other component.  Near a double root the search
+    starts on both sides of it and, in case it is one of both equations, closer to it as well.
     """
     k1, c1, s1, k2, c2, s2 = d
     factor1 = data[at.SIN_56]
@@ -215,7 +215,7 @@ def _add_pairs(data, d, c, s, pairs, count):
 def _add_nearly_separate(data, d, pairs, count):
     """Add the pairs near those that the equations would have if they separated.
 
-    There the roots of the polynomial come in close pairs, and four together at a double root.
+    There the roots of the polynomial form close pairs, and groups of four at a double root.
     """
     k1, c1, s1, k2, c2, s2 = d
     small = abs(data[at.NORMAL_56]) / data[at.SIZE]
@@ -228,7 +228,7 @@ def _add_nearly_separate(data, d, pairs, count):
     amplitude = math.sqrt(c2 * c2 + s2 * s2)
     if found < 1 or amplitude < small:
         return count
-    # To both sides of a double root at least as far as the neglected term moves it.
+    # Move away from a double root by at least the effect of the neglected term.
     x1, y1, x2, y2 = moved_apart(x1, y1, x2, y2, math.sqrt(small / amplitude))
     count = _add_pairs(data, d, x1, y1, pairs, count)
     return _add_pairs(data, d, x2, y2, pairs, count)
@@ -236,10 +236,10 @@ def _add_nearly_separate(data, d, pairs, count):
 
 @lean
 def _add_successive_pairs(data, d, pairs, count):
-    """Add the pairs where z lies to axis 5 in the same way for all q_a.
+    """Add the pairs if the components of z in frame 5 do not depend on q_a.
 
-    So it does where axes a and 5 are parallel.  The equations are then solved one after the other,
-    and double roots of both may coincide.
+    That is so for parallel axes a and 5.  The equations are then solved one after the other, and
+    double roots of both may coincide.
     """
     k1, _, _, k2, c2, s2 = d
     factor2 = data[at.NORMAL_56] / data[at.SIZE]
@@ -259,7 +259,7 @@ def _add_successive_pairs(data, d, pairs, count):
 
 @lean_part(i8(IN1, F12, OUT2))
 def skew_pairs(data, G, pairs):
-    """Find all pairs where axes 5 and 6 are skew; return their number or FREE."""
+    """Write all pairs for skew axes 5 and 6; return their number or FREE."""
     d = equations(data, G)
     k1, c1, s1, k2, c2, s2 = d
     g0 = data[at.GAMMA]

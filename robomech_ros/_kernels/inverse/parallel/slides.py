@@ -1,7 +1,7 @@
 """Pairs of an arm with three parallel axes and one prismatic joint among the other axes.
 
-The direction z then determines the two angles alone, and the height the displacement, in which
-it is linear.  Equations and rows as in ``parallel_pairs``.
+The direction z alone determines the two angles, and the height, linear in the displacement,
+determines the displacement.  Equations and rows are those of :mod:`.pairs`.
 """
 
 import math
@@ -25,16 +25,15 @@ from robomech_ros._kernels.inverse.parallel.pairs import (
 )
 from robomech_ros._kernels.tolerances import NEAR_DOUBLE
 
-# Scan steps per length of the arm for a free slide if a rotation is free as well.
+# Scan steps per length of the arm for a free slide if a rotation is also free.
 SLIDE_STEPS = 32
 
 
 @lean
 def _search_slide(data, G, seed, start, pair):
-    """Step away from a displacement until the arm reaches; return how far (m) it is from it.
+    """Step away from a displacement until the pair is in reach; return the distance left (m).
 
-    For the case that axis 5 is free to turn as well, so that every displacement has its own
-    nearest angle.
+    Axis 5 is free as well, so every displacement has its own nearest angle.
     """
     step = data[at.SIZE] / SLIDE_STEPS
     for k in range(2 * SLIDE_STEPS):
@@ -57,9 +56,9 @@ def _search_slide(data, G, seed, start, pair):
 
 @lean
 def _slide_in_reach(data, G, seed, pair):
-    """Set a displacement that the height leaves free to the nearest that the planar arm reaches.
+    """Set a displacement that the height leaves free to the nearest one in reach.
 
-    Returns how far (m) the arm is from reaching.
+    Returns the distance (m) of the planar arm from its target.
     """
     joint = at.JOINTS
     if data[at.SLIDING] == at.SLIDE_5:
@@ -101,9 +100,9 @@ def _slide_in_reach(data, G, seed, pair):
 
 @lean
 def _enter_slide(data, G, seed, v1, v2, c, s, bits, pair):
-    """Write a pair with the displacement that gives the right height.
+    """Write a pair with the displacement for the required height.
 
-    Returns how far the pair is from one (units of the size).
+    Returns the distance of the pair from a solution (units of the size).
     """
     gamma, g1, g2 = seen_from_axis_5(data, c, s)
     _, _, _, k2, c2, s2 = equations(data, G)
@@ -132,7 +131,7 @@ def _enter_slide(data, G, seed, v1, v2, c, s, bits, pair):
 
 @lean
 def sliding_equation(data, G):
-    """Return (k, C, S) of the equation that determines q_a where axis 5 or 6 slides."""
+    """Return (k, C, S) of the equation for q_a if axis 5 or 6 is prismatic."""
     sin56 = data[at.SIN_56]
     cos56 = data[at.COS_56]
     if data[at.SLIDING] == at.SLIDE_5:
@@ -142,7 +141,7 @@ def sliding_equation(data, G):
             c - sin56 * data[at.FIRST + 1],
             s - sin56 * data[at.FIRST + 2],
         )
-    # Component of z along axis 5, as the target demands it.
+    # Component of z along axis 5 required by the target.
     _, y0, z0 = z_in_frame_6(data, G, 0.0, 0.0)
     _, yc, zc = z_in_frame_6(data, G, 1.0, 0.0)
     _, ys, zs = z_in_frame_6(data, G, 0.0, 1.0)
@@ -156,7 +155,7 @@ def sliding_equation(data, G):
 
 @lean
 def write_sliding_pair(data, G, seed, c, s, wrist, bits, pair):
-    """Write the pair of this q_a (and wrist, where axis a slides); return its lack."""
+    """Write the pair of this q_a (and wrist, if axis a is prismatic); return its lack."""
     gamma, g1, g2 = seen_from_axis_5(data, c, s)
     if data[at.SLIDING] == at.SLIDE_5:
         return _enter_slide(data, G, seed, g1, g2, c, s, bits, pair)
@@ -182,7 +181,7 @@ def write_sliding_pair(data, G, seed, c, s, wrist, bits, pair):
 
 @lean_part(i8(IN1, F12, IN1, OUT2))
 def sliding_pairs(data, G, seed, pairs):
-    """Find all pairs of an arm with a prismatic joint; return their number or FREE."""
+    """Write all pairs of an arm with a prismatic joint; return their number or FREE."""
     if data[at.SLIDING] == at.SLIDE_A:
         found, x1, y1, x2, y2 = 2, 1.0, 0.0, 1.0, 0.0
         double = 0

@@ -18,7 +18,7 @@ from robomech_ros._kernels.tolerances import ACCEPTED, GENERAL_SINGULAR, POLISH_
 
 @lean
 def _transform(data, k):
-    """Read rows of a rotation, and the origin, of a 3x4 transform."""
+    """Return the rows of the rotation and the origin of a 3x4 transform."""
     a, b = (data[k], data[k + 1], data[k + 2]), (data[k + 4], data[k + 5], data[k + 6])
     c = data[k + 8], data[k + 9], data[k + 10]
     return (a, b, c), (data[k + 3], data[k + 7], data[k + 11])
@@ -26,7 +26,7 @@ def _transform(data, k):
 
 @lean
 def _demanded(data, T):
-    """Return the pose of frame 6 that the target asks for: rotation row by row, then origin."""
+    """Return the pose of frame 6 at the target: rotation row by row, then origin."""
     a, b, c = (T[0, 0], T[0, 1], T[0, 2]), (T[1, 0], T[1, 1], T[1, 2]), (T[2, 0], T[2, 1], T[2, 2])
     p = T[0, 3], T[1, 3], T[2, 3]
     if data[at.FROM_TIP] != 0.0:
@@ -42,7 +42,10 @@ def _demanded(data, T):
 
 @lean
 def _refined(data, T, q, branch, errors, count):
-    """Polish where the algebra left more than rounding, and drop what is no solution."""
+    """Improve inaccurate candidates and drop those that are not solutions.
+
+    Returns the number of solutions, and whether some may be equal.
+    """
     packed = data[at.PACKED : at.LENGTH].reshape(7, 13)
     kept = 0
     doubtful = data[at.EXACT] == 0.0
@@ -64,7 +67,7 @@ def _refined(data, T, q, branch, errors, count):
 
 @lean
 def _without_repetitions(data, q, branch, count):
-    """Keep one of several postures that are equal within the accuracy of a double root."""
+    """Drop repeated postures, equal within the accuracy of a double root; return their number."""
     kept = 0
     for k in range(count):
         repeated = False
@@ -86,7 +89,7 @@ def _without_repetitions(data, q, branch, count):
 
 @lean
 def _are_simple(data, q, branch, count):
-    """Return whether at every boundary two solutions become one and no more."""
+    """Return whether exactly two solutions become one at every boundary."""
     boundary = 0
     for k in range(count):
         boundary |= branch[k] & BOUNDARY
@@ -101,8 +104,8 @@ def _are_simple(data, q, branch, count):
 def solve_parallel(data, T, seed, q, branch):
     """Write all solutions for the pose T (4, 4) to q (16, 6) and branch (16,).
 
-    Returns how many, plus DOUBT where the list may lack one: where more than two solutions are or
-    nearly are one at a boundary, as all along a continuum.
+    Returns their number, plus DOUBT if the list may be incomplete: more than two solutions nearly
+    coincide at a boundary, as all along a continuum.
     """
     G = _demanded(data, T)
     pairs = scratch(MAX_PAIRS, PAIR_WIDTH)

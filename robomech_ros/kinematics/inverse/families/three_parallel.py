@@ -122,7 +122,7 @@ def _constants(chain: SerialChain, arm: ParallelAxes) -> Array:
     data[at.SLACK] = PARALLEL_SLACK
     if not data[at.EXACT]:
         data[at.SLACK] += 10.0 * neglected
-        data[at.SPREAD] = math.sqrt(neglected)
+        data[at.ROOT_SPLIT] = math.sqrt(neglected)
     data.setflags(write=False)
     return data
 
