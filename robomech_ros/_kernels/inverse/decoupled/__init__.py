@@ -1,1 +1,1 @@
-"""Arms with a spherical wrist, in closed form."""
+"""Closed-form solutions of arms with a spherical wrist."""

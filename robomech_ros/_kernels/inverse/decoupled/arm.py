@@ -1,7 +1,7 @@
-"""The first three joints of a decoupled arm: all postures that put the wrist centre at c.
+"""The first three joints of a decoupled arm: all postures with the wrist centre at c.
 
-The closed forms give candidates; a candidate that idealised geometry or a double root has made
-inaccurate is improved by Newton's method, and the residual decides.
+The closed forms give candidates.  Newton's method improves those that idealised geometry or a
+double root makes inaccurate, and the residual decides whether they are solutions.
 """
 
 import math
@@ -33,27 +33,27 @@ from robomech_ros._kernels.inverse.decoupled.arm_rows import (
 from robomech_ros._kernels.spatial.vectors import rotated
 from robomech_ros._kernels.tolerances import ACCEPTED, NEAR_DOUBLE, POLISH_ABOVE, SAME_POSTURE
 
-# Below this determinant, relative to REGULAR, a candidate that had to be improved may stand for
-# two solutions (an error of IDEALISED_SLACK reaches the square root of it at a double root).
+# Below this determinant, relative to REGULAR, an improved candidate may represent two solutions:
+# an error of IDEALISED_SLACK becomes its square root at a double root.
 NEAR_SINGULAR = 3e-2
-# A second solution beside a fold must be this good (rad, and lengths over the size) ...
+# Accepted error of a second solution near a fold (rad, and lengths over the size).
 SHARP = 1e-12
-# ... and this far from the first (rad), some ten times what such an error leaves open.
+# Least distance (rad) of two solutions near a fold, about ten times the effect of such an error.
 FOLD_APART = 1e-5
 
-# Postures of the arm that are kept: twice as many as there can be apart from a continuum.
+# Largest number of postures of the arm: twice the number that exist without a continuum.
 MOST_ARMS = 8
-# Rows for them, and one more to work in.
+# Rows for these postures and one more as working space.
 ARM_ROWS = MOST_ARMS + 1
-# Starts from each candidate that had to be improved.
+# Starts from each inaccurate candidate.
 _STARTS = 8
-# Typed, since numba compiles a function anew for each literal that it is called with.
+# Typed, since numba recompiles a function for each literal argument.
 _THREE = np.int64(3)
 
 
 @lean
 def _reverse(arm):
-    """Turn a posture solved from the tip into one of the arm itself."""
+    """Convert a posture solved from the tip to one of the arm itself."""
     arm[0], arm[1], arm[2] = -arm[2], -arm[1], -arm[0]
     cos1, sin1, cos3, sin3 = cosine_of(arm, 0), sine_of(arm, 0), cosine_of(arm, 2), sine_of(arm, 2)
     enter_turn(arm, 0, cos3, -sin3)
@@ -65,7 +65,7 @@ def _reverse(arm):
 
 @lean
 def _candidates(data, c, seed, shift, arms):
-    """Write the arm's candidates to ``arms`` (16, WIDTH), joints 1 to 3 in order, and how many.
+    """Write candidates of joints 1 to 3 to ``arms`` (16, WIDTH); return their number.
 
     Free joints take their value from ``seed`` plus ``shift``.
     """
@@ -93,9 +93,9 @@ def _candidates(data, c, seed, shift, arms):
 
 @lean
 def arm_error(data, arm, c, J, e):
-    """Write what is missing to c, and its derivatives J, in the frame that turned with joint 1.
+    """Write the error e of the wrist centre at c and its Jacobian J, in the frame behind joint 1.
 
-    Returns the determinant of J and two numbers whose signs tell shoulder and elbow apart.
+    Returns the determinant of J and two numbers whose signs name shoulder and elbow.
     """
     x, y, z = data[at.WRIST], data[at.WRIST + 1], data[at.WRIST + 2]
     if data[at.TYPES + 2] == 0.0:
@@ -137,7 +137,7 @@ def arm_error(data, arm, c, J, e):
 
 @lean
 def _improve_arm(data, arm, c, J, e, error):
-    """Take damped Newton steps on the wrist centre; return the error left (units of SIZE)."""
+    """Improve the arm by damped Newton steps; return the remaining error (units of SIZE)."""
     A = scratch(3, 3)
     step = scratch(3)
     trial = scratch(WIDTH)
@@ -174,7 +174,7 @@ def _improve_arm(data, arm, c, J, e, error):
 
 @lean
 def is_among(data, posture, others, apart):
-    """Return whether the joints of a posture, all or the first three, begin a row of ``others``."""
+    """Return whether a posture, of all or the first three joints, is among the rows ``others``."""
     for i in range(others.shape[0]):
         same = True
         for j in range(posture.shape[0]):
@@ -189,7 +189,7 @@ def is_among(data, posture, others, apart):
 
 @lean
 def _arm_bits(data, k, arm, shoulder, elbow):
-    """Name the arm's branch and its singularity."""
+    """Return the bits of the arm's branch and singularity."""
     free = int(arm[FREE])
     branch = 0
     if data[at.NAMED] != 0.0:
@@ -210,10 +210,10 @@ def _arm_bits(data, k, arm, shoulder, elbow):
 
 @lean
 def step_aside(data, arm, J, amount):
-    """Move the arm by ``amount`` where that changes the wrist centre least.
+    """Move the arm by ``amount`` in the direction that changes the wrist centre least.
 
-    At a double root the error is not felt in the first order; two starts, one on either side,
-    then lead to the two solutions.
+    At a double root this changes the error in second order only; starts on both sides lead to the
+    two solutions.
     """
     best = -1.0
     x = y = z = 0.0
@@ -234,10 +234,10 @@ def step_aside(data, arm, J, amount):
 
 @lean
 def _aside(start, error):
-    """Return the distance of start 1 and following from a fold with an error of the first order.
+    """Return the signed distance of start 1 and later ones from a fold whose error is ``error``.
 
-    From outside of its two solutions Newton's steps lead to the nearer one, so first that far;
-    near a continuum a joint may have to turn all the way.
+    From outside the two solutions Newton steps lead to the nearer one, so the first starts are
+    there; near a continuum a joint may need a full turn.
     """
     if start < 5:
         away = (10.0 if start < 3 else 100.0) * math.sqrt(error)
@@ -252,7 +252,7 @@ def _length(e):
 
 @lean
 def _add_postures(data, c, k, candidate, J, e, arms, bits, count):
-    """Enter the postures that candidate k leads to: one, or both beside a fold."""
+    """Enter the postures of candidate k, both near a fold; return the number of postures."""
     limit = data[at.SLACK]
     if data[at.EXACT] == 1.0:
         limit = ACCEPTED / max(1.0, data[at.SIZE])
@@ -277,7 +277,7 @@ def _add_postures(data, c, k, candidate, J, e, arms, bits, count):
         if good and not is_among(data, arm[:3], arms[:count], apart):
             bits[count] = _arm_bits(data, k, arm, shoulder, elbow)
             count += 1
-        # Beside a good posture of a continuum the next start would find the continuum again.
+        # Next to a good posture of a continuum the next start would find the continuum again.
         settled = good and candidate[FREE] > 0.0
         if first_error <= POLISH_ABOVE or regular or settled or count == MOST_ARMS:
             break
@@ -288,7 +288,7 @@ def _add_postures(data, c, k, candidate, J, e, arms, bits, count):
 
 @lean_part(i8(IN1, F3, IN1, f8, OUT2, IOUT1))
 def arm_postures(data, c, seed, shift, arms, bits):
-    """Write the arm's solutions to ``arms`` and their branches to ``bits``; return how many.
+    """Write the arm's solutions to ``arms`` and their branches to ``bits``; return their number.
 
     Rows of ``arms`` (ARM_ROWS, WIDTH) are those of :mod:`arm_rows`.
     """

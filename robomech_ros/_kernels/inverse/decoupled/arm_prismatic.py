@@ -1,8 +1,8 @@
-"""The first three joints of a decoupled arm with slides among them.
+"""The first three joints of a decoupled arm with prismatic joints among them.
 
 In the direction of solution ``c = J_1(x) A J_2(y) B J_3(z) w``; J is a rotation about z or a
 translation along it, A and B are constant.  Each kind has one function; the reverse of a kind is
-solved from the tip.  Notation as in :mod:`.arm_revolute`; p is where the last joints put w.
+solved from the tip.  Notation as in :mod:`.arm_revolute`; p = B J_3(z) w.
 """
 
 import math
@@ -49,11 +49,11 @@ def _back(data, k, x, y, z):
 
 @lean
 def _slide_and_angle(data, beta, gamma, delta, kappa, seed, roots):
-    """Find the angles z for which a slide x satisfies two equations.
+    """Solve x^2 + 2 beta x + gamma = 0 and kappa x + delta = 0 for the angles z, x a slide.
 
-    They are x^2 + 2 beta x + gamma = 0 and kappa x + delta = 0, the forms beta, gamma and delta a
-    constant, a cosine and a sine part each: with h = x + beta, kappa h = kappa beta - delta and
-    h^2 = beta^2 - gamma.  As :func:`third_angle`, with the form of kappa h in front.
+    The forms beta, gamma and delta have a constant, a cosine and a sine part.  With h = x + beta,
+    kappa h = kappa beta - delta and h^2 = beta^2 - gamma.  Returns the form of kappa h, then the
+    results of :func:`third_angle`.
     """
     e = (kappa * beta[0] - delta[0], kappa * beta[1] - delta[1], kappa * beta[2] - delta[2])
     b0, b1, b2, b3, b4 = square(beta)
@@ -100,7 +100,7 @@ def _slide_turn_turn(data, c, w, seed, arms):
 
 @lean
 def _turned(data, j, p):
-    """Row j of A applied to the forms of p."""
+    """Return the component of A p whose row of A starts at j, as a form."""
     constant, cosine, sine = mixed((data[j], data[j + 1], data[j + 2]), p[0], p[1], p[2])
     return constant + data[j + 3], cosine, sine
 
@@ -145,7 +145,7 @@ def _turn_slide_turn(data, c, w, seed, arms):
 
 @lean
 def _second_slide(data):
-    """Direction of the third joint's slide in the frame of joint 1."""
+    """Return the direction of the third joint's slide in the frame of joint 1."""
     slide = data[at.SECOND + 2], data[at.SECOND + 6], data[at.SECOND + 10]
     return rotated(data, at.FIRST, slide)
 
@@ -233,9 +233,9 @@ def _slides(data, c, w, arms):
 
 @lean_part(i8(IN1, F3, F3, F3, OUT2))
 def prismatic_arm(data, c, w, seed, arms):
-    """Write candidates for the three joints to ``arms``, rows as in :mod:`arm_rows`.
+    """Write candidates for the three joints to ``arms``; return their number.
 
-    As :func:`arm_revolute.revolute_arm`; slides are in units of SIZE.
+    Arguments are those of :func:`arm_revolute.revolute_arm`; slides are in units of SIZE.
     """
     kind = data[at.KIND]
     if kind == at.SLIDE_TURN_TURN:

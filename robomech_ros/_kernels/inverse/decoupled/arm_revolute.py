@@ -1,4 +1,4 @@
-"""The first three joints of a decoupled arm, all revolute: where they carry the wrist centre to c.
+"""The first three joints of a decoupled arm, all revolute, that put the wrist centre at c.
 
 In the direction of solution ``c = Rz(x) A Rz(y) B Rz(z) w``, with A = (R, t) and B constant.  Let
 p = B Rz(z) w, a circle in the frame of joint 2, and r = Rz(y) p.  The third component of c and
@@ -6,19 +6,19 @@ its length do not depend on x:
 
     n . r = c_z - t_z,     s . r = (|c|^2 - |t|^2 - |p|^2) / 2,     n = R^T e_z,  s = R^T t.
 
-The third component of r is that of p, which leaves two linear equations in r_x and r_y whose
+The third component of r is that of p.  So these are two linear equations in r_x and r_y whose
 right sides M and N are linear in cos z and sin z.  Two combinations of them give the components
-of (r_x, r_y) along a unit vector g and across it,
+of (r_x, r_y) along a unit vector g and perpendicular to it,
 
     r_g = G,     eta r_h = E,     r_h^2 = |p|^2 - p_z^2 - G^2,
 
-so that E^2 = eta^2 (|p|^2 - p_z^2 - G^2): the quartic for z.  Where the first two axes are
-parallel or meet, eta = 0: E = 0 alone gives z, and then r_h has either sign.
+so that E^2 = eta^2 (|p|^2 - p_z^2 - G^2): the quartic for z.  If the first two axes are parallel
+or intersect, eta = 0: E = 0 alone gives z, and r_h has either sign.
 
 References
 ----------
-Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.4.1, which eliminates the
-second joint first; the quartic is the same.
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 4.4.1; it eliminates the
+second joint first, with the same quartic.
 """
 
 import math
@@ -62,7 +62,7 @@ def circle(data, w):
 
 @lean
 def squared_length(u, v, w):
-    """Square of the length of a point on a circle: of first order, as its radii are equal."""
+    """Return the squared length of a circle's points, a first-order form as the radii are equal."""
     return (
         u[0] * u[0] + v[0] * v[0] + w[0] * w[0] + u[1] * u[1] + v[1] * v[1] + w[1] * w[1],
         2.0 * (u[0] * u[1] + v[0] * v[1] + w[0] * w[1]),
@@ -72,9 +72,9 @@ def squared_length(u, v, w):
 
 @lean
 def turn_to(fx, fy, tx, ty, seed):
-    """Cosine and sine of the angle about z that takes the direction of (fx, fy) to (tx, ty).
+    """Return cosine and sine of the angle about z from (fx, fy) to (tx, ty), and if it is free.
 
-    If one of the two has no direction, every angle is a solution: then those of ``seed``, and True.
+    It is free, and the angle ``seed``, if one of the two vectors is zero.
     """
     if fx * fx + fy * fy <= ON_AXIS * ON_AXIS or tx * tx + ty * ty <= ON_AXIS * ON_AXIS:
         return math.cos(seed), math.sin(seed), True
@@ -89,7 +89,7 @@ def third_angle(data, split, e, room, eta, seed, roots):
     """Solve E(z) = eta h, h^2 = H(z) for the angle z.
 
     E is of first, H of second order; with ``split`` the first equation is E = 0.  Rows
-    [cos z, sin z] go to ``roots`` (7, 2).  Returns how many, and whether z is free (``seed``).
+    [cos z, sin z] go to ``roots`` (7, 2).  Returns their number, and whether z is free (``seed``).
     """
     if split:
         found, c1, s1, c2, s2 = order_one_roots(e[0], e[1], e[2], data[at.SLACK])
@@ -118,14 +118,14 @@ def third_angle(data, split, e, room, eta, seed, roots):
 
 @lean
 def across(data, split, e, eta, room, scale):
-    """Solve E = eta h, h^2 = H at one angle: (how many, h), the second solution being -h.
+    """Solve E = eta h, h^2 = H at one angle; return the number of solutions h, -h, and h.
 
-    E / eta is the better value unless eta is small; where the two ways disagree a multiple root
-    is near, which leaves even the sign of E open.
+    E / eta is the better value unless eta is small.  If both equations disagree, a multiple root
+    is near, and even the sign of E is uncertain.
     """
     if split:
         if room <= DOUBLE_ROOT * scale:
-            # Farther along g than the circle is wide, by up to the slack.
+            # The component along g may exceed the radius by up to the slack.
             beyond = data[at.SLACK] * (2.0 * math.sqrt(scale) + data[at.SLACK])
             return (0 if room < -beyond - ON_AXIS * ON_AXIS else 1), 0.0
         return 2, math.sqrt(room)
@@ -160,7 +160,7 @@ def _combination(a, u, b, v):
 
 @lean
 def _complete(data, c, px, py, pz, rx, ry, seed, arm):
-    """Enter the first two angles of a candidate; which of them are free is returned."""
+    """Enter the first two angles of a candidate; return the flags of free ones."""
     cosy, siny, any_y = turn_to(px, py, rx, ry, seed[1])
     rx = cosy * px - siny * py
     ry = siny * px + cosy * py
@@ -177,8 +177,8 @@ def _complete(data, c, px, py, pz, rx, ry, seed, arm):
 def revolute_arm(data, c, w, seed, arms):
     """Write candidates for the three joints to ``arms``, rows as in :mod:`arm_rows`.
 
-    Parameters are the layout's ``data``, the two points c and w (lengths in units of SIZE), the
-    three angles that free joints take, and room for 16 candidates.  Returns how many.
+    The points c and w are in units of SIZE, ``seed`` has the angles of free joints, and ``arms``
+    has 16 rows.  Returns the number of candidates.
     """
     p = circle(data, w)
     m, n = _right_sides(data, c, p)

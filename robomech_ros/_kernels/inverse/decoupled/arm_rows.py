@@ -1,8 +1,8 @@
 """Postures of the first three joints of a decoupled arm, one a row.
 
-A row holds the values of the joints (angles in rad, displacements in units of SIZE), which of them
-are free, the determinant of the Jacobian over the largest, and cosine and sine of every turn, so
-that what is turned by a joint needs no trigonometric function; of a slide they are 1 and 0.
+A row holds the joint values (angles in rad, displacements in units of SIZE), the flags of free
+joints, the determinant of the Jacobian over the largest one, and cosine and sine of every angle,
+which saves trigonometric functions; for a slide they are 1 and 0.
 """
 
 import math
@@ -16,7 +16,7 @@ DETERMINANT = 4
 _TURNS = 5  # cosine and sine of joint 1, of joint 2, of joint 3
 WIDTH = 11
 
-# Joints, in the direction of solution, that a candidate leaves free.
+# Flags of free joints, in the direction of solution.
 FREE_1 = 1
 FREE_2 = 2
 FREE_3 = 4
@@ -24,26 +24,26 @@ FREE_3 = 4
 
 @lean
 def cosine_of(row, j):
-    """Cosine of joint j."""
+    """Return the cosine of joint j."""
     return row[_TURNS + 2 * j]
 
 
 @lean
 def sine_of(row, j):
-    """Sine of joint j."""
+    """Return the sine of joint j."""
     return row[_TURNS + 2 * j + 1]
 
 
 @lean
 def enter_turn(row, j, cosine, sine):
-    """Enter a turn of joint j; its angle is missing until :func:`measure` adds it."""
+    """Enter cosine and sine of joint j; :func:`measure` adds the angle."""
     row[_TURNS + 2 * j] = cosine
     row[_TURNS + 2 * j + 1] = sine
 
 
 @lean
 def enter_slide(row, j, value):
-    """Enter a displacement of joint j."""
+    """Enter the displacement of joint j."""
     row[j] = value
     row[_TURNS + 2 * j] = 1.0
     row[_TURNS + 2 * j + 1] = 0.0
@@ -51,7 +51,7 @@ def enter_slide(row, j, value):
 
 @lean
 def measure(data, row, free):
-    """Add the angles of turns; of free joints they are those of ``free``."""
+    """Add the angles of revolute joints, those of free joints from ``free``."""
     flags = int(row[FREE])
     for j in range(3):
         if data[at.TYPES + j] == 0.0:
@@ -61,7 +61,7 @@ def measure(data, row, free):
 
 @lean
 def aim(data, row):
-    """Make cosines and sines agree with the angles."""
+    """Update cosines and sines from the angles."""
     for j in range(3):
         if data[at.TYPES + j] == 0.0:
             row[_TURNS + 2 * j] = math.cos(row[j])
@@ -70,6 +70,6 @@ def aim(data, row):
 
 @lean
 def copy_row(source, row):
-    """Copy a posture."""
+    """Copy a posture to ``row``."""
     for i in range(WIDTH):
         row[i] = source[i]

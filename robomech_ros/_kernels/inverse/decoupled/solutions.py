@@ -1,10 +1,10 @@
-"""All solutions of an arm whose last three revolute axes meet in one point.
+"""All solutions of an arm whose last three revolute axes intersect in one point.
 
-The wrist centre gives the first three joints, the rotation left over the last three.
+The wrist centre gives the first three joints, the remaining rotation the last three.
 
-Axes that only nearly meet are solved as if they did, and every solution is taken to the true chain.
-Near a singular posture two of the true solutions may belong to one, or none, of the idealised arm:
-then the list is in doubt.
+Axes that only nearly intersect are idealised, and Newton steps move every solution to the true
+chain.  Near a singular posture two true solutions may correspond to one or none of the idealised
+arm: the list is then in doubt.
 """
 
 import math
@@ -55,24 +55,24 @@ from robomech_ros._kernels.spatial.vectors import (
 )
 from robomech_ros._kernels.tolerances import ACCEPTED, IDEALISED_SLACK, PARALLEL_AXES
 
-# Near a singularity of the arm its joints are uncertain by this over the determinant of its
-# Jacobian (relative to REGULAR), and at a double root by the square root of a rounding; so far
-# from parallel the axes may then be found.
+# Near a singularity of the arm its joints are uncertain by ARM_ROUNDING over the determinant of its
+# Jacobian (relative to REGULAR), at a double root by PARALLEL_AT_FOLD, the square root of a
+# rounding.  Parallel wrist axes may differ by as much.
 ARM_ROUNDING = 1e-14
 PARALLEL_AT_FOLD = 3e-5
 
-# Values of a free joint that are tried where its own leads to no reachable orientation.
+# Number of values of a free joint tried if the seed's value leads to no reachable orientation.
 _TRIES = 24
-# Distance (rad) of the starts from a fold for the whole chain, where no error tells it.
+# Distance (rad) of the starts from a fold of the whole chain.
 _FOLD = 5e-3
-# Typed, since numba compiles a function anew for each literal that it is called with.
+# Typed, since numba recompiles a function for each literal argument.
 _STEPS = np.int64(30)
 _DOUBT = np.int64(bit.DOUBT)
 
 
 @lean
 def _turn_back(arm, j, Q):
-    """Turn Q back by joint j."""
+    """Return the rotation Q turned back by joint j."""
     c, s = cosine_of(arm, j), sine_of(arm, j)
     a, b = Q[:3], Q[3:6]
     return combined(scaled(a, c), b, s) + combined(scaled(b, c), a, -s) + Q[6:]
@@ -80,7 +80,7 @@ def _turn_back(arm, j, Q):
 
 @lean
 def _unturn(data, k, Q):
-    """R^T Q with R the rotation of the 3x4 transform at k."""
+    """Return R^T Q with R the rotation of the 3x4 transform at k."""
     a, b, c = Q[:3], Q[3:6], Q[6:]
     x = mixed((data[k], data[k + 4], data[k + 8]), a, b, c)
     y = mixed((data[k + 1], data[k + 5], data[k + 9]), a, b, c)
@@ -103,7 +103,7 @@ def _reduced_target(data, T):
 
 @lean
 def _left_over(data, arm, Q):
-    """Turn Q back through the first three joints and their links."""
+    """Return the rotation of the wrist: Q turned back by the first three joints and their links."""
     Q = _unturn(data, at.C1, _turn_back(arm, 0, Q))
     Q = _unturn(data, at.C2, _turn_back(arm, 1, Q))
     return _unturn(data, at.C3, _turn_back(arm, 2, Q))
@@ -111,10 +111,10 @@ def _left_over(data, arm, Q):
 
 @lean
 def _reachable_angle(data, arm, Q, j):
-    """Turn free joint j to the value nearest its present one that the wrist can make up for.
+    """Turn free joint j to the nearest value with an orientation in reach of the wrist.
 
-    The cosine of the angle between axes 4 and 6 is of first order in the joint; it must not
-    leave the wrist's range.  Returns False where it never comes into it.
+    The cosine of the angle between axes 4 and 6 is of first order in the joint, and must be in the
+    wrist's range.  Returns False if it never is.
     """
     before = Q
     if j > 0:
@@ -147,7 +147,7 @@ def _reachable_angle(data, arm, Q, j):
 
 @lean
 def _wrist_of(data, arm, Q, free_angle, slack, parallel, angles):
-    """Solve the wrist for an arm's posture; a free joint of the arm gives way where it must."""
+    """Solve the wrist for an arm's posture; a free joint of the arm moves if necessary."""
     left = _left_over(data, arm, Q)
     count, flags = spherical_wrist(data, left, free_angle, slack, parallel, angles)
     free = int(arm[FREE])
@@ -168,7 +168,7 @@ def _wrist_of(data, arm, Q, free_angle, slack, parallel, angles):
 
 @lean
 def _enter(data, arm, angles, q):
-    """Write a solution in joint values, revolute ones in (-pi, pi]."""
+    """Write the joint values of a solution, angles in (-pi, pi]."""
     for j in range(3):
         q[j] = wrapped(arm[j]) if data[at.TYPES + j] == 0.0 else arm[j] * data[at.SIZE]
         q[3 + j] = wrapped(angles[j] - data[at.ANGLES + j])
@@ -176,7 +176,7 @@ def _enter(data, arm, angles, q):
 
 @lean
 def _polished(data, T, posture, others, limit):
-    """Take an idealised solution to the true chain; False where that fails or repeats one."""
+    """Move an idealised solution to the true chain; return False if it fails or is listed."""
     packed = data[at.PACKED : at.PACKED + 91].reshape((7, 13))
     if not call_polish(packed, T, posture, _STEPS) <= limit:
         return False
@@ -188,9 +188,9 @@ def _polished(data, T, posture, others, limit):
 
 @lean
 def _add_singular(data, T, arm, angles, q, count):
-    """Enter the solution with a singular wrist, if there is one, beside a fold of the arm.
+    """Enter a solution with a singular wrist near a fold of the arm; return the number.
 
-    There the arm is known to half its digits only, and the wrist is singular to as many.
+    Half of the digits of the arm are known there, and the wrist is singular to as many.
     """
     if count < q.shape[0]:
         _enter(data, arm, angles[0], q[count])
@@ -201,7 +201,7 @@ def _add_singular(data, T, arm, angles, q, count):
 
 @lean
 def _name(data, bits, flags, angle5):
-    """Complete the name of an arm's branch by that of the wrist."""
+    """Return the bits of an arm's branch with those of the wrist added."""
     if wrapped(angle5) * data[at.UNFLIPPED] < 0.0:
         bits |= bit.WRIST_FLIP
     if flags & WRIST_FREE:
@@ -217,10 +217,10 @@ def _name(data, bits, flags, angle5):
 def _add_near_fold(data, T, arm, Q, free_angle, slack, angles, near_fold, q, count):
     """Enter the solutions for an arm's posture that is not accurate enough for the wrist.
 
-    Either the wrist axes only nearly meet, so that the true chain has its folds elsewhere, or the
-    arm is at a fold, where half of its digits are lost.  The pose decides; near a fold, solutions
-    are sought from both its sides.  Returns how many solutions there are, and whether all of the
-    idealised ones lead to one of their own, far from folds.
+    Either the wrist axes only nearly intersect, and the true chain has its folds elsewhere, or the
+    arm is at a fold, where half of its digits are lost.  The pose decides; near a fold the search
+    starts on both sides.  Returns the number of solutions, and whether each idealised one leads to
+    a different solution far from folds.
     """
     sure = not near_fold
     J = scratch(3, 3)
@@ -258,9 +258,9 @@ def _add_near_fold(data, T, arm, Q, free_angle, slack, angles, near_fold, q, cou
 def solve_decoupled(data, T, seed, q, branch):
     """Write all solutions for the pose T (4, 4) to q (16, 6), branches to ``branch``.
 
-    Revolute joints in (-pi, pi], no limits; free joints of a continuum take the value of
-    ``seed`` (6,), or the nearest that leads to a solution.  Returns how many, plus DOUBT where the
-    wrist axes only nearly meet and the list may lack one; of a BACKED arm it then lacks some.
+    Angles are in (-pi, pi], limits are ignored.  Free joints of a continuum take the value of
+    ``seed`` (6,), or the nearest with a solution.  Returns the number of solutions, plus DOUBT if
+    the wrist axes only nearly intersect and the list may be incomplete (for a BACKED arm it is).
     """
     c, Q = _reduced_target(data, T)
     arms = scratch(ARM_ROWS, WIDTH)

@@ -1,9 +1,9 @@
-"""Spherical wrists: three revolute axes through one point.
+"""Solution of spherical wrists: three revolute axes through one point.
 
 ``Rz(x) Rx(A) Rz(y) Rx(B) Rz(z) = Q`` with A and B in (0, pi).  The third column of Q, the
 direction of axis 6 along axis 4, gives cos y; the sign of sin y is free, hence two solutions.
 Then x follows from that column and z from the first one, so that the product is Q up to rounding
-even where x and z are badly determined one by one.
+even if x and z are ill-conditioned.
 
 References
 ----------
@@ -17,14 +17,14 @@ from robomech_ros._kernels.compiling.jit import lean
 from robomech_ros._kernels.inverse.decoupled import layout as at
 from robomech_ros._kernels.tolerances import POLISH_ABOVE
 
-WRIST_FREE = 1  # axes 4 and 6 are parallel: x is the one asked for, z follows
+WRIST_FREE = 1  # axes 4 and 6 are parallel: x is the requested value, z follows
 WRIST_BOUNDARY = 2  # the two solutions have become one
 WRIST_OPPOSED = 4  # with WRIST_FREE: the parallel axes point in opposite directions
 
 
 @lean
 def _last_angle(data, Q, cosx, sinx, cosy, siny):
-    """Find z from the first column of Q turned back by x."""
+    """Return z from the first column of Q turned back by x."""
     v0 = cosx * Q[0] + sinx * Q[3]
     v1 = cosx * Q[3] - sinx * Q[0]
     v2 = Q[6]
@@ -37,7 +37,7 @@ def _last_angle(data, Q, cosx, sinx, cosy, siny):
 
 @lean
 def _write(data, Q, cosy, siny, found):
-    """Enter the solution that belongs to y."""
+    """Write the solution with the angle y to ``found`` (3,)."""
     ca, sa = data[at.COS4], data[at.SIN4]
     cb, sb = data[at.COS5], data[at.SIN5]
     gx = sb * siny
@@ -56,9 +56,9 @@ def _write(data, Q, cosy, siny, found):
 def spherical_wrist(data, Q, free_angle, slack, parallel, found):
     """Write the angles (x, y, z) of up to two solutions to ``found``; return (count, flags).
 
-    Q is the rotation as nine numbers, row by row.  ``free_angle`` is the value of x where x and
-    z turn about the same line, as those of axes with a sine up to ``parallel`` do; an orientation
-    out of reach by up to ``slack`` (rad) is kept.
+    Q is the rotation as nine numbers, row by row.  ``free_angle`` is the value of x if axes 4 and 6
+    are parallel, with a sine up to ``parallel``.  An orientation out of reach by up to ``slack``
+    (rad) is accepted.
     """
     across = math.sqrt(Q[2] * Q[2] + Q[5] * Q[5])
     if across > parallel and data[at.COS4] == 0.0 and data[at.COS5] == 0.0:
