@@ -1,1 +1,1 @@
-"""Any other arm of six joints, through its problem of degree sixteen."""
+"""Inverse kinematics of general six-joint arms, a problem of degree sixteen."""

@@ -19,7 +19,7 @@ _angles = 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES
 SAMPLE_COSINES = np.cos(_angles)
 SAMPLE_SINES = np.sin(_angles)
 _orders = np.arange(ORDER + 1)[:, None]
-# From equally spaced samples to the parts of cos kx and sin kx, k = 0 .. 8.
+# Maps from equally spaced samples to the coefficients of cos kx and sin kx, k = 0 .. 8.
 TO_COSINES = np.where(_orders == 0, 1.0, 2.0) * np.cos(_orders * _angles) / SAMPLES
 TO_SINES = 2.0 * np.sin(_orders * _angles) / SAMPLES
 
@@ -47,7 +47,7 @@ def _bernstein(powers: np.ndarray) -> np.ndarray:
 
 
 def _harmonic(k: int) -> np.ndarray:
-    """Powers of t, as complex numbers cos + i sin, of harmonic k times (1 + tan^2)^8."""
+    """Return the coefficients by powers of t of harmonic k (cos + i sin) times (1 + tan^2)^8."""
     powers = np.ones(1, complex)
     for _ in range(2 * k):
         powers = np.convolve(powers, [1.0, 1j * ARC_TANGENT])
@@ -61,12 +61,12 @@ def _harmonic(k: int) -> np.ndarray:
 FROM_COSINES = np.column_stack([_bernstein(_harmonic(k).real)[:9] for k in range(ORDER + 1)])
 FROM_SINES = np.column_stack([_bernstein(_harmonic(k).imag)[:9] for k in range(ORDER + 1)])
 
-# Chebyshev points of an arc, and from values there to Bernstein coefficients.
+# Chebyshev points of an arc, and the map from values there to Bernstein coefficients.
 NODES = -np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)
 _half = 0.5 * (NODES + 1.0)[:, None]
 _basis = BINOMIALS * _half ** np.arange(DEGREE + 1) * (1.0 - _half) ** np.arange(DEGREE, -1, -1)
 FROM_NODES = np.ascontiguousarray(np.linalg.inv(_basis))
-# From values there to the last three of the Chebyshev coefficients.
+# Map from values there to the last three Chebyshev coefficients.
 _weights = np.where((np.arange(DEGREE + 1) % DEGREE) == 0, 0.5, 1.0) * 2.0 / DEGREE
 TO_LAST = np.array(
     [np.cos(np.pi * k * np.arange(DEGREE, -1, -1) / DEGREE) * _weights for k in (14, 15, 16)]

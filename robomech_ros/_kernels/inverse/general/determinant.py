@@ -7,9 +7,9 @@ monomials of x^3, x^2, x, 1 and those of joint FOURTH::
     | E_2 E_1 E_0  0  |
     |  0  E_2 E_1 E_0 |
 
-The first three columns are eliminated in the upper half alone and the last three in the lower,
-which leaves six by six.  As a function of the hidden angle the determinant is a trigonometric
-polynomial of order eight, whatever the arm.
+The first three columns are eliminated in the upper half and the last three in the lower half; a
+matrix of six by six is left.  As a function of the hidden angle the determinant of every arm is a
+trigonometric polynomial of order eight.
 """
 
 import math
@@ -49,7 +49,7 @@ def _eliminate(A, least):
 
 @inline
 def core(E, cosine, sine, A, B, K):
-    """Write the six by six matrix K; return the determinant of the rest, and its least pivot."""
+    """Write the remaining matrix K (6, 6); return the eliminated factor and its least pivot."""
     for i in range(6):
         for j in range(9):
             value = E[i, j] * cosine + E[i, 9 + j] * sine + E[i, 18 + j]
@@ -66,11 +66,11 @@ def core(E, cosine, sine, A, B, K):
 
 @inline
 def determinant(E, cosine, sine, A, B, K):
-    """Evaluate the determinant; return it, the product of all pivots but the least, and a pivot.
+    """Return the determinant, the product of all pivots but the least, and a loss factor.
 
-    That product, times the rounding of one pivot, is the rounding of the determinant.  Pivots
-    that come late carry the roundings of the earlier ones, divided by the least of the three by
-    three eliminations and by the least of the rest, the product of which is returned last.
+    That product, times the rounding of one pivot, is the rounding of the determinant.  Late pivots
+    have the roundings of the earlier ones over the loss factor: the least pivot of the three by
+    three eliminations times the least of the rest.
     """
     value, least = core(E, cosine, sine, A, B, K)
     early = least
@@ -105,7 +105,7 @@ def determinant(E, cosine, sine, A, B, K):
 
 @inline
 def _solve_back(K, order, rank, x):
-    """Complete x (6,), given from row ``rank`` on, from the rows above that of a triangular K."""
+    """Solve the first ``rank`` rows of the triangular K for the entries of x (6,) not yet known."""
     for i in range(rank - 1, -1, -1):
         value = 0.0
         for j in range(i + 1, 6):
@@ -115,10 +115,10 @@ def _solve_back(K, order, rank, x):
 
 @inline
 def null_space(K, x, u, v, order):
-    """Write the vector x (6,) that K (6, 6), spoilt, takes nearest to zero, and u and v.
+    """Write the null vector x (6,) of K (6, 6) and, for rank four, the null pencil u (6,), v (6,).
 
-    Where K has lost two ranks, all vectors of the pencil of u (6,) and v (6,) become zero.  Returns
-    the last three pivots of an elimination with complete pivoting, over the first.
+    K is overwritten.  Returns the last three pivots of an elimination with complete pivoting, over
+    the first.
     """
     first, fourth, fifth = 1.0, 0.0, 0.0
     for i in range(6):

@@ -1,14 +1,14 @@
-"""Closure equations of a general six-joint arm, and six of them free of its first two joints.
+"""Closure equations of a general six-joint arm, and six of them without its first two joints.
 
 Cut in two, the loop reads ``L_2 J_3 L_3 J_4 L_4 J_5 L_5 = J_2^-1 L_1^-1 J_1^-1 L_6^-1 J_6^-1``.
 The third and fourth columns of both sides, the direction l of the last axis and a point p on it,
-do not see J_6.  With ``p x l``, ``m = (p.p) l - 2 (p.l) p``, ``p.p`` and ``p.l`` they give fourteen
-equations, linear in the products of one cosine, sine or 1 of every joint.
+do not depend on J_6.  With ``p x l``, ``m = (p.p) l - 2 (p.l) p``, ``p.p`` and ``p.l`` they give
+fourteen equations, linear in the products of one cosine, sine or 1 of every joint.
 
-Seen from axis 2, x and y of the four vectors only turn under joint 2, so their complex numbers
-x + i y obey four linear equations in three unknowns; z of them and the two products do not see
-joint 2, six equations in cosine and sine of joint 1.  Orthogonal to these unknowns are
-one complex and four real equations for the other three joints.
+In the frame of axis 2, joint 2 only rotates x and y of the four vectors, so the complex numbers
+x + i y satisfy four linear equations in three unknowns.  Their z and the two products do not
+depend on joint 2 and give six equations in cosine and sine of joint 1.  One complex and four real
+equations for the other three joints are orthogonal to these unknowns.
 
 References
 ----------
@@ -30,12 +30,12 @@ from robomech_ros._kernels.spatial.vectors import rotated
 GENERAL_RANK = 1e-13
 
 _HALF_ROOT = math.sqrt(0.75)
-# Three values of a turn and of a slide.
+# Three values of a rotation and of a slide.
 _COSINES = np.array([1.0, -0.5, -0.5])
 _SINES = np.array([0.0, _HALF_ROOT, -_HALF_ROOT])
 _WAYS = np.array([0.0, 1.0, -1.0])
-# From values there to cosine, sine and constant part; to the parts of s s, s c, c c of the half
-# angle; to those of a slide's square, itself and 1.
+# Maps from values there to coefficients of cosine, sine and 1; of s s, s c, c c of the half angle;
+# of a slide's square, the slide and 1.
 _TURN_PARTS = np.array([2.0 * _COSINES, 2.0 * _SINES, np.ones(3)]) / 3.0
 _HALF_PARTS = np.array([_TURN_PARTS[2] - _TURN_PARTS[0], 2.0 * _TURN_PARTS[1],
                         _TURN_PARTS[2] + _TURN_PARTS[0]])  # fmt: skip
@@ -48,7 +48,7 @@ _EVEN_SLIDE_PARTS = _SLIDE_PARTS / _EVEN
 
 @inline
 def closure_quantities(lx, ly, lz, px, py, pz, out):
-    """Write the fourteen quantities of l and p: x of l, p, p x l and m, y, z, then p.p and p.l."""
+    """Write the fourteen quantities: x of l, p, p x l and m, their y, their z, p.p and p.l."""
     pp = px * px + py * py + pz * pz
     pl = px * lx + py * ly + pz * lz
     out[0], out[4], out[8] = lx, ly, lz
@@ -61,7 +61,7 @@ def closure_quantities(lx, ly, lz, px, py, pz, out):
 
 @inline
 def _followed(pose, number, slides, links, k, out):
-    """Write a pose (12,), one of three values of a joint and a link behind each other to out."""
+    """Write the product of a pose (12,), a joint at one of its three values and a link to out."""
     c, s, d = 1.0, 0.0, 0.0
     if slides:
         d = _WAYS[number]
@@ -83,8 +83,8 @@ def _followed(pose, number, slides, links, k, out):
 def left_side(links, slide, K):
     """Write the coefficients of the fourteen quantities behind joint 2 to K (14 x 3 x 9,).
 
-    They are linear in cosine, sine and 1 of three joints, quadratic in a slide, so three values of
-    each tell all.  ``links`` (48,) are those of a form.
+    They are linear in cosine, sine and 1 of three joints and quadratic in a slide, so three values
+    of each joint determine them.  ``links`` (48,) are those of a form.
     """
     V = np.empty((27, 14))
     first, second, third = np.empty(12), np.empty(12), np.empty(12)
@@ -126,7 +126,7 @@ call_left_side = linked(left_side)
 
 @inline
 def complete_form(data, start, pose, back, form):
-    """Write the form at ``start`` of the data, with the target in its place, to form (FORM,)."""
+    """Write the form at ``start`` of the data, completed with the target, to form (FORM,)."""
     for i in range(at.FORM):
         form[i] = data[start + i]
     forwards = form[at.SENSE] > 0.0
@@ -180,9 +180,9 @@ def demanded(data, T, pose, back):
 def right_side(before, behind, slides, X, V):
     """Write the fourteen quantities in front of joint 2: cosine, sine and constant part in joint 1.
 
-    If joint 1 ``slides`` these are the parts of its square, itself and 1.  ``before`` (12,) is
-    the inverse of the link before joint 1, ``behind`` that of the one behind it; X (14, 3), and V
-    (3, 14) is working space.  Three values of joint 1 tell all.
+    If joint 1 ``slides``, the coefficients in X (14, 3) are those of its square, the slide and 1.
+    ``before`` (12,) is the inverse of the link before joint 1, ``behind`` of the link behind it.
+    V (3, 14) is working space.  Three values of joint 1 determine the coefficients.
     """
     for k in range(3):
         c = 1.0 if k == 0 else -0.5
@@ -208,7 +208,7 @@ def right_side(before, behind, slides, X, V):
 
 @inline
 def _left_null_vector(X, n):
-    """Write the complex vector n (4,) that is orthogonal to the three unknowns of x + i y.
+    """Write the complex vector n (4,) orthogonal to the three unknowns of x + i y.
 
     Returns the last of the three pivots of an elimination with complete pivoting, over the first.
     """
@@ -253,7 +253,10 @@ def _left_null_vector(X, n):
 
 @inline
 def _complex_equation(K, X, E):
-    """Write the equation free of joint 2's turn, real and imaginary part, to rows 0 and 1 of E."""
+    """Write real and imaginary part of the equation without joint 2 to rows 0 and 1 of E.
+
+    Returns how independent the eliminated unknowns are, 1 at best.
+    """
     n = np.empty(4, np.complex128)
     margin = _left_null_vector(X, n)
     square = 0.0
@@ -277,9 +280,9 @@ def _complex_equation(K, X, E):
 
 @inline
 def _without_constants(K, X, slide, W):
-    """Write the equations without joint 2 to W (6, 27), the constant spread over monomials.
+    """Write the equations without joint 2 to W (6, 27), the constant written as monomials.
 
-    1 is the sum of the first and the last monomial of either joint, of a slide the last one.
+    1 is the sum of the first and the last monomial of a joint, for a slide the last one.
     """
     for i in range(6):
         for j in range(at.N_COLUMNS):
@@ -296,9 +299,10 @@ def _without_constants(K, X, slide, W):
 
 @inline
 def _real_equations(K, X, slide, E, W, Z):
-    """Write the four equations free of joint 1 among those without joint 2 to rows 2 .. 5 of E.
+    """Write the four equations without joints 1 and 2 to rows 2 .. 5 of E.
 
-    Two Householder reflections take the columns of joint 1, in Z (6, 2), to their first rows.
+    Two Householder reflections reduce the columns of joint 1, in Z (6, 2), to their first rows.
+    Returns how independent the eliminated unknowns are, 1 at best.
     """
     norms = 1.0
     for j in range(2):
@@ -322,7 +326,7 @@ def _real_equations(K, X, slide, E, W, Z):
         length = math.sqrt(square)
         pivots *= length
         if not length > GENERAL_RANK:
-            # Nothing is left to be eliminated: the equations hold as they are.
+            # Nothing is left to eliminate, and the equations are valid as they are.
             break
         if Z[c, c] > 0.0:
             length = -length
@@ -352,10 +356,9 @@ def _real_equations(K, X, slide, E, W, Z):
 def free_equations(K, X, slide, E):
     """Write six equations E (6, 27) in the last three joints only.
 
-    ``slide`` is the part that a slide plays, -1 where there is none.
-
-    Returns how independent the eliminated unknowns are, 1 at best.  If they depend on each
-    other the equations are right all the same, but more could be had.
+    ``slide`` is the role of the prismatic joint, -1 without one.  Returns how independent the
+    eliminated unknowns are, 1 at best.  If they are dependent, the equations are valid but there
+    are more of them.
     """
     W = np.empty((6, at.N_COLUMNS))
     Z = np.empty((6, 2))

@@ -1,9 +1,8 @@
-"""The solutions that one form of elimination finds for a pose, and whether they are all.
+"""Solutions of one form of elimination for a pose, and a test of their completeness.
 
-A simple zero of the determinant has a posture of its own.  Where zeros crowd together the matrix
-tells: if it has lost one rank, and no other by a wide margin, all of them belong to one posture,
-or to several that have merged into it, as at a fold; if two, to the two at most that
-:mod:`.pencil` finds.
+A simple zero of the determinant has one posture.  For a cluster of zeros the rank of the matrix
+decides.  If it is clearly five, all zeros belong to one posture or to several merged ones, as at a
+fold; if it is four, to at most two postures, which :mod:`.pencil` finds.
 """
 
 import math
@@ -41,39 +40,39 @@ from robomech_ros._kernels.inverse.general.slides import (
 from robomech_ros._kernels.inverse.polishing import call_polish
 from robomech_ros._kernels.tolerances import ACCEPTED, GENERAL_SINGULAR, SAME_POSTURE
 
-# Below this the unknowns that a form eliminates are too dependent for it.
+# Least independence of the unknowns that a form eliminates.
 GENERAL_MARGIN = 1e-6
-# Samplings allowed for one determinant: ten times what any pose of the arms tested needs that is
-# not singular.
+# Largest number of samplings of one determinant: ten times the need of any regular pose of the
+# tested arms.
 GENERAL_SAMPLINGS = 16
-# So many times the width of a cluster of zeros (rad) the next pivot of the matrix (of the first)
-# must be, for all postures of the cluster to be one, or merged ones nearer than can be told.
+# All postures of a cluster of zeros are one, or indistinguishable, if the next pivot of the matrix
+# (of the first) exceeds this times the width of the cluster (rad).
 CLUSTER_GAP = 100.0
-# Least of the same where the cluster is narrower than rounding lets a pivot be.
+# Least pivot for that test if the cluster is narrower than the rounding of a pivot.
 CLUSTER_LEAST_GAP = 1e-6
-# Widest cluster (rad) for that test; a fold's is some 1e-5.
+# Widest cluster (rad) for that test; at a fold it is about 1e-5 wide.
 CLUSTER_WIDTH = 5e-5
 # Below this pivot (of the first) two postures are sought.
 CLUSTER_PENCIL = 5e-2
 # Newton steps for a posture from a simple zero.
 GENERAL_STEPS = 12
-# Error (rad, and lengths over a size beyond a metre) that may remain: far less than ACCEPTED, since
-# where m solutions have become one the posture is off by the m-th root of it.
+# Accepted error (rad, and lengths over a size beyond a metre): far less than ACCEPTED, since its
+# m-th root is the error of a posture in which m solutions have merged.
 GENERAL_ERROR = 1e-11
-# Singular postures nearer to each other than this (rad) are one: the square root of the pose's
-# rounding, with room; and up to a higher root of it where there is one halfway, too.
+# Singular postures nearer to each other than this (rad) are one: some square roots of the pose's
+# rounding; with another one halfway between them, up to a higher root of it.
 SAME_SINGULAR = 1e-5
 SAME_MULTIPLE = 5e-2
-# Solutions that are entered for the continua of one pose: room is left for the others.
+# Largest number of solutions of one pose that represent continua, so that others fit in the list.
 MOST_CONTINUA = 6
 
 MAX_SOLUTIONS = 16
-# Places near which a posture may be where the determinant only comes near zero.
+# Largest number of loose postures, at which the determinant only comes near zero.
 MOST_LOOSE = 16
 
-# Entries of ``state``: solutions; those entered as parts of a continuum; loose postures, -1 where
-# none are wanted; 1 where zeros crowded together; samplings of a determinant, left sides made and
-# settlings, which take about as long and nearly all of the time.
+# Entries of ``state``: numbers of solutions, of solutions in a continuum and of loose postures (-1
+# if not collected); 1 after a cluster of zeros; and the sum of samplings of a determinant, left
+# sides and settlings, which take equal times and nearly all of the time.
 COUNT = 0
 CONTINUA = 1
 LOOSE = 2
@@ -84,7 +83,7 @@ STATE = 5
 
 @inline
 def _entered(trial, mark, q, marks, state):
-    """Enter a solution; return its row, -1 where there is no room."""
+    """Enter a solution; return its row, or -1 if the list is full."""
     count = state[COUNT]
     if count >= MAX_SOLUTIONS:
         return -1
@@ -99,8 +98,8 @@ def _entered(trial, mark, q, marks, state):
 def admit(data, T, trial, singular, q, marks, state):
     """Improve a posture and enter it if it is a new solution; return its row, -1 for none.
 
-    A ``singular`` one settles at some distance, the farther the more solutions have become one;
-    its entry in ``marks`` (16,) is then BOUNDARY or SELF_MOTION, else 0.
+    The more solutions have merged in a ``singular`` posture, the larger its error.  Its entry in
+    ``marks`` (16,) is BOUNDARY or SELF_MOTION, else 0.
     """
     packed = data[at.PACKED : at.HEAD].reshape(7, 13)
     if singular:
@@ -129,7 +128,7 @@ def admit(data, T, trial, singular, q, marks, state):
         if apart < SAME_MULTIPLE and is_between(data, T, q[k], trial, w):
             _, other = regularity(data, packed, q[k], w, x)
             if ratio < other:
-                # The more singular of the two is the nearer to where they have become one.
+                # The more singular posture is nearer to the merged solution.
                 for j in range(6):
                     q[k, j] = trial[j]
             return k
@@ -145,10 +144,10 @@ def admit(data, T, trial, singular, q, marks, state):
 
 @inline
 def _cluster_vectors(width, S, vectors, order):
-    """Write null vectors to try for a cluster of zeros to ``vectors`` (1 + MOST_VECTORS, 6).
+    """Write candidate null vectors of a cluster of zeros to ``vectors`` (1 + MOST_VECTORS, 6).
 
-    Returns how many there are, the range of those that must lead to postures for the cluster to be
-    done with, and whether that is then so.
+    Returns their number, the range of those that must lead to postures, and whether the cluster is
+    then complete.
     """
     u, v = np.empty(6), np.empty(6)
     fourth, fifth, _ = null_space(S, vectors[0], u, v, order)
@@ -167,7 +166,7 @@ def _cluster_vectors(width, S, vectors, order):
 def _demand(form, X, E):
     """Write both sides' equations of a complete form to X (14, 3) and E (6, 27).
 
-    Returns whether the unknowns that are eliminated are independent.
+    Returns whether the eliminated unknowns are independent.
     """
     slide = int(form[at.SLIDE])
     V = np.empty((3, 14))
@@ -190,7 +189,7 @@ def _matrix(matrices, hidden):
 
 @inline
 def _posture(closure, hidden, vector, trial):
-    """Write the joints that belong to a value of the hidden one and a null vector to trial (6,).
+    """Write the joints for a value of the hidden one and a null vector to trial (6,).
 
     ``closure`` is the complete form, the arm's size, the right side and working space.
     """
@@ -201,14 +200,14 @@ def _posture(closure, hidden, vector, trial):
 
 @inline
 def _only_posture(closure, matrices, hidden, vectors, order, trial):
-    """Write the posture at a value of the hidden joint that has one to trial (6,)."""
+    """Write the only posture at a value of the hidden joint to trial (6,)."""
     null_space(_matrix(matrices, hidden), vectors[0], vectors[1], vectors[2], order)
     _posture(closure, hidden, vectors[0], trial)
 
 
 @inline
 def _free_values(start, roots):
-    """Write values for a hidden joint that may be free to roots (MAX_ROOTS, 2); return how many."""
+    """Write values to try for a free hidden joint to roots (MAX_ROOTS, 2); return their number."""
     for k in range(GENERAL_FREE_VALUES):
         away = 2.0 * math.pi * ((k + 1) // 2) / GENERAL_FREE_VALUES
         roots[k, 0] = start + (away if k % 2 == 1 else -away)
@@ -218,12 +217,12 @@ def _free_values(start, roots):
 
 @inline
 def _enter_cluster(data, T, closure, matrices, low, high, vectors, order, trial, q, marks, state):
-    """Enter the postures of zeros that crowd together; tell whether these are surely all."""
+    """Enter the postures of a cluster of zeros; return whether these are proved to be all."""
     width = high - low
     hidden = low + 0.5 * width
     S = _matrix(matrices, hidden)
     found, first, end, proven = _cluster_vectors(width, S, vectors, order)
-    # With a slide some zeros may be at infinity, where the matrix shows nothing.
+    # With a slide some zeros may be at infinity, which the matrix does not show.
     proven = proven and closure[0][at.SLIDE] < 0.0
     regular = False
     for i in range(found):
@@ -232,7 +231,7 @@ def _enter_cluster(data, T, closure, matrices, low, high, vectors, order, trial,
         proven = proven and (row >= 0 or not first <= i < end)
         regular = regular or (row >= 0 and marks[row] == 0)
     if found > 1 or regular or width > CLUSTER_WIDTH:
-        # Postures that have nearly merged, or share nearly the same hidden angle.
+        # Postures that have nearly merged, or have nearly the same hidden angle.
         for end_of_cluster in (low, high):
             _only_posture(closure, matrices, end_of_cluster, vectors, order, trial)
             admit(data, T, trial, True, q, marks, state)
@@ -241,7 +240,7 @@ def _enter_cluster(data, T, closure, matrices, low, high, vectors, order, trial,
 
 @inline
 def _enter_zeros(data, T, closure, matrices, roots, zeros, vectors, order, trial, q, marks, state):
-    """Enter the postures of all zeros; tell whether each has led to all that belong to it."""
+    """Enter the postures of all zeros; return whether all postures of each zero were found."""
     clean = True
     rows = 0
     for k in range(zeros):
@@ -265,7 +264,7 @@ def _enter_zeros(data, T, closure, matrices, roots, zeros, vectors, order, trial
 
 @inline
 def _enter_free(data, T, closure, matrices, roots, zeros, vectors, order, trial, q, marks, state):
-    """Enter postures at values of a hidden joint that may be free, until there is a continuum."""
+    """Enter postures at values of a free hidden joint until a continuum is found."""
     for k in range(zeros):
         S = _matrix(matrices, roots[k, 0])
         found, _, _, _ = _cluster_vectors(0.0, S, vectors, order)
@@ -278,7 +277,7 @@ def _enter_free(data, T, closure, matrices, roots, zeros, vectors, order, trial,
 
 @inline
 def _collect_loose(closure, matrices, places, zeros, vectors, order, state, loose):
-    """Write postures where the determinant only comes near zero to ``loose``."""
+    """Write postures at which the determinant only comes near zero to ``loose``."""
     for k in range(zeros):
         S = _matrix(matrices, places[k])
         found, _, _, _ = _cluster_vectors(0.0, S, vectors, order)
@@ -290,12 +289,12 @@ def _collect_loose(closure, matrices, places, zeros, vectors, order, state, loos
 
 @part(types.UniTuple(b1, 2)(IN1, i8, IN2, OUT1, OUT1, IN1, OUT2, IOUT1, IOUT1, OUT2))
 def solve_form(data, start, T, pose, back, seed, q, marks, state, loose):
-    """Enter the solutions that the form at ``start`` finds for T (4, 4); is it clean, and void.
+    """Enter the solutions of the form at ``start`` for T (4, 4); return if it is clean, and void.
 
-    ``pose`` (12,) and ``back`` (12,) are what T demands of the joints, and its inverse.  Void is a
-    form whose determinant vanishes all round: the hidden joint may be free.  It is then given the
-    seed's value, and others, until there is a continuum.  Postures at which the
-    determinant only comes near zero go to ``loose`` (MOST_LOOSE, 6) where that is wanted.
+    ``pose`` (12,) and ``back`` (12,) are the pose of the joints for T, and its inverse.  A form is
+    void if its determinant vanishes at all angles: the hidden joint may be free.  The seed's value
+    and others are then tried until a continuum is found.  Postures at which the determinant only
+    comes near zero go to ``loose`` (MOST_LOOSE, 6) if requested.
     """
     form, X = np.empty(at.FORM), np.empty((14, 3))
     E, A, B = np.empty((6, at.N_COLUMNS)), np.empty((6, 9)), np.empty((6, 9))
@@ -328,7 +327,7 @@ def solve_form(data, start, T, pose, back, seed, q, marks, state, loose):
 
 @part(types.UniTuple(b1, 2)(IN1, i8, IN2, OUT1, IN1, OUT2, IOUT1, IOUT1))
 def solve_slides(data, form, T, back, seed, q, marks, state):
-    """Do for a form of an arm with two or three slides what :func:`solve_form` does."""
+    """Enter the solutions of a form with two or three slides; returns as :func:`solve_form`."""
     trials = np.empty((MAX_TRIALS, 6))
     found, clean, void = slide_postures(data, form, back, seed, trials)
     rows = 0

@@ -1,9 +1,9 @@
-"""Detection of solutions of a six-joint arm that are simple, or two in one at a fold.
+"""Test whether solutions of a six-joint arm are simple, or folds of exactly two solutions.
 
-At a posture q where the Jacobian J has lost one rank, with J v = 0 and u J = 0, the pose goes on
-along v as ``u . J(q + t v) v``, which is zero for t = 0.  If its slope there is not zero, two
-solutions have become one and no more, and none is beside it.  Along a continuum the slope is zero,
-as it is where three solutions or more have become one.
+At a posture q where the Jacobian J has rank five, with J v = 0 and u J = 0, the pose moves along v
+by ``u . J(q + t v) v``, which is zero for t = 0.  If its slope there is not zero, exactly two
+solutions have become one, with no other nearby.  The slope is zero along a continuum and where
+three or more solutions have become one.
 """
 
 import numpy as np
@@ -14,11 +14,10 @@ from robomech_ros._kernels.compiling.types import IIN1, IN2, b1, f8, i8
 from robomech_ros._kernels.inverse.general.determinant import null_space
 from robomech_ros._kernels.tolerances import GENERAL_CORANK
 
-# Along the direction that a singular Jacobian (lengths over the size) takes to zero the pose bends
-# away, in the direction that it lacks, by this (per half a square of the step) where two solutions
-# have become one and no more: above what rounding leaves of zero.
+# Least slope (lengths over the size) at which exactly two solutions have become one: above the
+# rounding of zero.
 FOLD_LEAST = 1e-7
-# The step (rad) of that test.
+# Step (rad) of the difference quotient.
 FOLD_STEP = 1e-4
 # Least last pivot but one at a fold, relative to the least last pivot elsewhere.
 FOLD_RANK = 0.1
@@ -26,7 +25,7 @@ FOLD_RANK = 0.1
 
 @inline
 def _jacobian(packed, size, q, J, pose):
-    """Write the Jacobian with lengths over the size, those that slides move too."""
+    """Write the Jacobian with lengths over the size, including displacements of slides."""
     jacobian_body(packed, q, J, pose)
     for j in range(6):
         for i in range(3, 6):
@@ -64,9 +63,9 @@ def _slope(packed, size, q, u, v, J, pose):
 def all_simple(packed, size, q, marks, asked, count, least, sharp):
     """Return whether each of the first ``count`` solutions q (16, 6) is regular, or a fold.
 
-    Regular are those whose Jacobian's last pivot is above ``least`` (of the first), with lengths
-    over the size (m).  At a fold the slope is above ``sharp``.  Only solutions with a bit of
-    ``asked`` in ``marks`` (16,) are looked at; all where that is 0.
+    A solution is regular if the last pivot of its Jacobian is above ``least`` (of the first), with
+    lengths over the size (m).  At a fold the slope is above ``sharp``.  Only solutions with a bit
+    of ``asked`` in ``marks`` (16,) are tested; all if it is 0.
     """
     J, K = np.empty((6, 6)), np.empty((6, 6))
     pose = np.empty((4, 4))

@@ -1,9 +1,9 @@
-"""Null vectors of a general arm's determinant where two postures share the hidden angle.
+"""Null vectors of a general arm's determinant if two postures have the same hidden angle.
 
-There the matrix loses two ranks, and its null vectors are a pencil ``a u + b v``.  Those of
+The matrix then has rank four, and its null vectors are a pencil ``a u + b v``.  The vectors of
 postures are products, ``s c (s, c)`` of one half angle times ``(s s, sqrt(2) s c, c c)`` of
-another.  That a vector is such a product takes six quadratic equations, which on a pencil are
-quadratic equations in a : b.  A common zero is a zero of the largest of them; two at most are left.
+another.  Products satisfy six quadratic equations, on a pencil quadratic equations in a : b.  A
+common zero is one of the at most two zeros of the largest equation.
 """
 
 import math
@@ -12,7 +12,7 @@ import numpy as np
 
 from robomech_ros._kernels.compiling.jit import inline
 
-# Quadratic equations this small on an orthonormal pencil are rounding: all of it are postures.
+# Equations this small on an orthonormal pencil are rounding: all its vectors are products.
 PENCIL_VOID = 1e-4
 # Value of these equations below which a vector may belong to a posture.
 PENCIL_IS_PRODUCT = 5e-2
@@ -73,11 +73,11 @@ def _violation(u, v, a, b):
 
 @inline
 def pencil_vectors(u, v, slack, vectors):
-    """Write the vectors of the pencil that postures may have to ``vectors`` (MOST_VECTORS, 6).
+    """Write the vectors of the pencil that may be products to ``vectors`` (MOST_VECTORS, 6).
 
-    ``slack`` is the uncertainty of the equations, with which a discriminant below zero may yet
-    mean a double zero; u (6,) and v (6,) are made orthonormal.  Returns how many there are, and
-    whether there can be no others; there can where every vector of the pencil is a product.
+    ``slack`` is the uncertainty of the equations, up to which a negative discriminant may be a
+    double zero; u (6,) and v (6,) are made orthonormal.  Returns the number of vectors, and whether
+    they are all; they are not if every vector of the pencil is a product.
     """
     _orthonormal(u, v)
     p, h, r, norm = 0.0, 0.0, 0.0, 0.0

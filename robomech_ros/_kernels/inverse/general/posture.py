@@ -1,4 +1,4 @@
-"""The six joints of a general arm, once the hidden one and two of its neighbours are known."""
+"""The six joint values of a general arm, given the hidden one and two of its neighbours."""
 
 import math
 
@@ -15,10 +15,10 @@ _ROOT_2 = math.sqrt(2.0)
 
 @inline
 def half_angles(x, slide):
-    """Values of joints THIRD and FOURTH from a null vector x (6,).
+    """Return the values of joints THIRD and FOURTH from a null vector x (6,).
 
     It holds ``s c (s, c)`` of the first half angle times ``(s s, sqrt(2) s c, c c)`` of the other.
-    For the joint that is a ``slide`` the value replaces the tangent s / c.
+    For a slide, s / c is the displacement.
     """
     first, second, product = 0.0, 0.0, 0.0
     for j in range(3):
@@ -39,7 +39,7 @@ def half_angles(x, slide):
 
 @inline
 def _joint_value(sine, cosine, slides):
-    """Angle from multiples of sine and cosine of its half, or the value of a slide, their ratio."""
+    """Return the angle from multiples of sine and cosine of its half, or a slide, their ratio."""
     if slides:
         return sine / cosine
     return 2.0 * math.atan2(sine, cosine)
@@ -47,7 +47,7 @@ def _joint_value(sine, cosine, slides):
 
 @inline
 def _turned(data, k, angle, x, y, z):
-    """Take a vector through the rotation of the link at k of the data, then about z."""
+    """Return a vector rotated by the link at k of the data, then about z."""
     u, v, w = rotated(data, k, (x, y, z))
     c = math.cos(angle)
     s = math.sin(angle)
@@ -56,7 +56,7 @@ def _turned(data, k, angle, x, y, z):
 
 @inline
 def _last_angle(data, links, before, behind, q1, q2, q3, q4, q5):
-    """Angle of joint LAST: where x of the frame behind it, brought round the loop, points."""
+    """Return the angle of joint LAST, from x of the frame behind it transformed along the loop."""
     x, y, z = data[links + 36], data[links + 40], data[links + 44]
     c, s = math.cos(q5), math.sin(q5)
     x, y = c * x - s * y, s * x + c * y
@@ -71,7 +71,7 @@ def _last_angle(data, links, before, behind, q1, q2, q3, q4, q5):
 
 @inline
 def _half_sine_cosine(value, slides):
-    """Sine and cosine of half an angle; a slide and 1."""
+    """Return sine and cosine of half an angle; for a slide, its value and 1."""
     if slides:
         return value, 1.0
     return math.sin(0.5 * value), math.cos(0.5 * value)
@@ -100,7 +100,7 @@ def _left_side(form, hidden, third, fourth, left):
 
 @inline
 def _first_value(X, left, slides):
-    """Value of joint FIRST from six linear equations by least squares."""
+    """Return the value of joint FIRST from six linear equations by least squares."""
     aa, ab, bb, ay, by = 0.0, 0.0, 0.0, 0.0, 0.0
     for r in range(8, 14):
         y = left[r] - X[r, 2]
@@ -116,7 +116,7 @@ def _first_value(X, left, slides):
 
 @inline
 def _second_angle(X, left, first, slides):
-    """Angle of joint SECOND from four complex equations by least squares."""
+    """Return the angle of joint SECOND from four complex equations by least squares."""
     c, s = math.cos(first), math.sin(first)
     if slides:
         c, s = first * first, first
@@ -133,8 +133,8 @@ def _second_angle(X, left, first, slides):
 def remaining_joints(form, size, X, hidden, third, fourth, left, q):
     """Write the six joint values to q (6,), given three; ``left`` (14,) is working space.
 
-    Slides are given in units of the ``size`` (m).  Joints FIRST and SECOND follow from linear
-    equations, joint LAST from the rotation left over.
+    Slides are in units of the ``size`` (m).  Joints FIRST and SECOND follow from linear equations,
+    joint LAST from the remaining rotation.
     """
     _left_side(form, hidden, third, fourth, left)
     slide = form[at.SLIDE]

@@ -1,13 +1,12 @@
-"""Real zeros of the determinant of a general arm, as intervals of the hidden angle, none lost.
+"""All real zeros of the determinant of a general arm, as intervals of the hidden angle.
 
 Seventeen determinants give the trigonometric polynomial.  On eight arcs its Bernstein
-coefficients bound it from both sides: an interval is dropped only where all of them are beyond
-the rounding on one side of zero, and holds exactly one zero where they change sign once and none
-of them is rounding; every other interval is halved.  Where rounding gets in the way, the
-polynomial is sampled anew on the interval in question, which tells it apart from zero as well as
-the determinant itself can be told there, however small it is beside its largest value.  What is
-nothing but rounding then, or still open at the least width, is a cluster: a multiple zero, or
-several too near to each other.
+coefficients bound it from both sides.  An interval is dropped only if all of them are beyond the
+rounding on one side of zero.  It has exactly one zero if they change sign once and none of them is
+rounding; every other interval is halved.  If rounding prevents a decision, the polynomial is
+resampled on the interval, with the accuracy of the determinant there, however small it is relative
+to its largest value.  An interval of mere rounding, or undecided at the least width, is a cluster:
+a multiple zero, or several zeros too near to each other.
 
 References
 ----------
@@ -42,31 +41,31 @@ from robomech_ros._kernels.inverse.general.circle_tables import (
 from robomech_ros._kernels.inverse.general.determinant import determinant
 
 # Rounding of the determinant, over the product of all pivots but the least: a dozen eliminations
-# of entries of order one, which are themselves rounded.
+# of rounded entries of order one.
 DETERMINANT_NOISE = 1e-14
-# An interval is sampled anew where no coefficient exceeds its rounding more often than this.
-GENERAL_ANEW = 1e4
+# An interval is resampled if no coefficient exceeds this many roundings.
+GENERAL_RESAMPLE = 1e4
 # Least width of an interval (of half an arc): the square root of the rounding.
 GENERAL_WIDTH = 1e-6
-# An interval this short is not halved on where all coefficients are within so many roundings: a
-# zero of multiplicity eight is not known better; a longer one may be, once sampled anew.
+# An interval this short is not halved if all coefficients are within so many roundings: a zero of
+# multiplicity eight has no better accuracy.  A longer one may have after resampling.
 GENERAL_ROUGH_WIDTH = 5e-2
 GENERAL_ROUNDING = 4.0
-# Complex zeros this near to the real ones (rad) may be those of a singular posture that a nudge
-# (its square root, with room) has made complex.
+# Largest distance (rad) from the real line of complex zeros that a nudge of the pose may have made
+# from a singular posture: some square roots of the nudge.
 GENERAL_NEAR_ZERO = 0.2
-# Halvings allowed for one determinant: ten times what any pose of the arms tested needs that is
-# not singular.
+# Largest number of halvings for one determinant: ten times the need of any regular pose of the
+# tested arms.
 GENERAL_HALVINGS = 600
 
 MAX_ROOTS = 48
 _DEPTH = 64
-# Effect of one rounding of a value on a Bernstein coefficient: from the samples all round, and
-# from those on an interval after 0, 1, 2 ... halvings.
+# Effect of one rounding of a value on a Bernstein coefficient, for samples on the whole circle and
+# for samples on an interval after 0, 1, 2 ... halvings.
 _FROM_CIRCLE = 15.0
 _FROM_INTERVAL = (4.7e4, 102.0, 8.0, 3.1, 2.8)
 _LAST = len(_FROM_INTERVAL) - 1
-# Values all round among which places near zero are sought.
+# Number of values on the circle among which minima near zero are sought.
 _GRID = 96
 _STEP = 2.0 * math.pi / _GRID
 _GRID_COSINES = np.cos(_STEP * np.arange(_GRID))
@@ -75,12 +74,12 @@ _GRID_COSINES = np.cos(_STEP * np.arange(_GRID))
 _LOW = 0
 _HIGH = 1
 _NOISE = 2
-_LEVEL = 3  # halvings since it was sampled, -1 where that was all round
+_LEVEL = 3  # halvings since it was sampled, -1 for samples on the whole circle
 
 
 @part(types.UniTuple(f8, 2)(IN2, OUT2, OUT2, OUT2, OUT2))
 def sample(E, form, A, B, K):
-    """Write the parts of cos kx and sin kx to form (2, 9); return largest value and rounding."""
+    """Write the harmonics of the determinant to form (2, 9); return largest value and rounding."""
     values = np.empty(SAMPLES)
     largest = 0.0
     noise = 0.0
@@ -118,7 +117,7 @@ def _on_arc(form, arc, turned, b):
 
 @inline
 def _anew(E, arc, low, high, A, B, K, values, b):
-    """Write the Bernstein coefficients from determinants on a part of an arc; return rounding."""
+    """Write the Bernstein coefficients of new samples on a part of an arc; return the rounding."""
     middle = 0.5 * (low + high)
     half = 0.5 * (high - low)
     cosine, sine = math.cos(CENTRES[arc]), math.sin(CENTRES[arc])
@@ -151,7 +150,7 @@ def _anew(E, arc, low, high, A, B, K, values, b):
 
 @inline
 def _value(b, x):
-    """Value and slope, but for positive factors that cancel in their quotient, at x in [0, 1]."""
+    """Return value and slope at x in [0, 1], both without the same positive factor."""
     y = 1.0 - x
     if x <= 0.5:
         r = x / y
@@ -176,7 +175,7 @@ def _value(b, x):
 
 @inline
 def _only_root(b):
-    """Find the root in [0, 1] of Bernstein coefficients that change sign once."""
+    """Return the root in [0, 1] of Bernstein coefficients that change sign once."""
     rising = b[16] > 0.0
     low, high = 0.0, 1.0
     x = b[0] / (b[0] - b[16])
@@ -198,7 +197,7 @@ def _only_root(b):
 
 @inline
 def _signs(b, tolerance):
-    """Count sign changes; tell whether a coefficient is rounding, and the largest on each side."""
+    """Return the number of sign changes, whether a coefficient is rounding, least and largest."""
     changes = 0
     vague = False
     last = 0
@@ -245,7 +244,7 @@ def _angle(arc, t):
 
 @lean
 def _tolerance(noise, level):
-    """Return the rounding of coefficients after so many halvings; -1 before the first one."""
+    """Return the rounding of coefficients at a level of the stack."""
     if level >= 0:
         return noise * _FROM_INTERVAL[min(level, _LAST)]
     return noise * _FROM_CIRCLE
@@ -253,7 +252,7 @@ def _tolerance(noise, level):
 
 @lean
 def _entered(start, end, roots, count):
-    """Enter an interval while there is room; return how many there are."""
+    """Enter an interval unless the list is full; return the number of intervals."""
     if count < MAX_ROOTS:
         roots[count, 0], roots[count, 1] = start, end
         count += 1
@@ -262,7 +261,7 @@ def _entered(start, end, roots, count):
 
 @lean
 def _joined(start, end, roots, count):
-    """Enter an interval, or lengthen the last one that it continues; return how many there are."""
+    """Enter an interval or extend the last one by it; return the number of intervals."""
     continues = count > 0 and start - roots[count - 1, 1] < GENERAL_WIDTH
     if continues and roots[count - 1, 1] > roots[count - 1, 0]:
         roots[count - 1, 1] = end
@@ -272,13 +271,12 @@ def _joined(start, end, roots, count):
 
 @part(types.Tuple((i8, b1, i8))(IN2, IN2, f8, i8, OUT2, OUT2, OUT2, OUT2))
 def isolate(E, form, noise, most, A, B, K, roots):
-    """Write the zeros to roots (MAX_ROOTS, 2) in order; return how many, and whether all were.
+    """Write the zeros to roots (MAX_ROOTS, 2) in order.
 
-    At ``most`` so many times the determinant of E is sampled anew; with 0 it is not looked at.
-    How often it was is returned last.
-
-    A row holds both ends of an interval: equal ones for a zero that is alone and simple.  Not all
-    are found where the work allowed did not suffice; the intervals left over are listed, too.
+    A row holds both ends of an interval; they are equal for a simple zero.  The determinant of E
+    is resampled at ``most`` so many times; with 0 E is not used.  Returns the number of rows,
+    whether these are all zeros, and the number of samplings.  If the halvings allowed do not
+    suffice, the undecided intervals are listed, too.
     """
     stack = np.empty((_DEPTH, 17))
     spans = np.empty((_DEPTH, 4))
@@ -308,7 +306,7 @@ def isolate(E, form, noise, most, A, B, K, roots):
                 top -= 1
                 continue
             spent = halvings >= GENERAL_HALVINGS or top + 2 >= _DEPTH
-            unsure = vague and max(highest, -lowest) < GENERAL_ANEW * tolerance
+            unsure = vague and max(highest, -lowest) < GENERAL_RESAMPLE * tolerance
             rounding = max(highest, -lowest) < GENERAL_ROUNDING * tolerance
             known = high - low < GENERAL_ROUGH_WIDTH or samplings >= most
             done = most > 0 and rounding and known and level >= _LAST - 1
@@ -333,9 +331,9 @@ def isolate(E, form, noise, most, A, B, K, roots):
 
 @inline
 def near_zeros(form, angles):
-    """Write where the polynomial comes near zero and turns back to ``angles``; return how many.
+    """Write the minima of the polynomial's absolute value near zero to ``angles``; return how many.
 
-    A pair of complex zeros less than GENERAL_NEAR_ZERO (rad) off the real ones does that.
+    They belong to pairs of complex zeros less than GENERAL_NEAR_ZERO (rad) off the real line.
     """
     room = angles.shape[0]
     values = np.empty(_GRID)

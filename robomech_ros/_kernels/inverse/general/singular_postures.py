@@ -1,8 +1,8 @@
-"""Singular postures of a six-joint arm: how to get there, and whether joints can move on.
+"""Newton steps to singular postures of a six-joint arm, and a test for continua.
 
 If m solutions have become one, Newton steps shrink by the factor 1 - 1/m only, all in the same
-direction, and the error may grow on the way.  So the error is not asked to sink at every step, and
-steps that have settled to such a sequence are summed up.
+direction, and the error may grow meanwhile.  So the error need not decrease at every step, and
+steps of such a geometric sequence are replaced by its sum.
 
 References
 ----------
@@ -23,31 +23,31 @@ from robomech_ros._kernels.inverse.general.determinant import null_space
 from robomech_ros._kernels.inverse.polishing import largest_error, pose_difference
 from robomech_ros._kernels.tolerances import CONTINUUM_STEP, GENERAL_CORANK
 
-# Steps at most, and how many may pass without the squared error sinking by this factor.
-# Twice as many may where it is below a bound; towards a continuum convergence is quadratic.
+# Largest numbers of steps, in general and towards a continuum (quadratic convergence), and of
+# steps, twice as many below NEAR, without a decrease of the squared error by the factor GAIN.
 SETTLING_STEPS = 80
 SETTLING_CALM_STEPS = 10
 SETTLING_PATIENCE = 12
 SETTLING_NEAR = 1e-12
 SETTLING_GAIN = 0.25
-# Damping over the squared error (towards a continuum: over the error), and what is always there:
-# the rounding of a Jacobian, squared.
+# Damping over the squared error (towards a continuum: over the error), and least damping: the
+# squared rounding of a Jacobian.
 SETTLING_DAMPING = 1e-2
 SETTLING_ROUNDING = 1e-31
 # Longest step of a joint (rad).
 SETTLING_STEP = 0.3
-# Steps are summed up that shrink by a factor between these, 1/2 at a fold, and are parallel but for
-# this part (squared).
+# Steps are replaced by their sum if they shrink by a factor between these, 1/2 at a fold, and are
+# parallel but for the fraction ASIDE (squared).
 SETTLING_LEAST_FACTOR = 0.3
 SETTLING_MOST_FACTOR = 0.95
 SETTLING_ASIDE = 0.04
 # Squared error (rad, and lengths over the size) of a pose known to rounding.
 SETTLED = 1e-30
-# The error (as above) that may be left after a step of CONTINUUM_STEP, and how much of the step
-# must be left, to tell a continuum.
+# A continuum is found if a step of CONTINUUM_STEP settles with at most this error (as above) at
+# least this far (rad) from its start.
 CONTINUUM_ERROR = 1e-14
 CONTINUUM_KEPT = 3e-2
-# The same of one joint alone, where two ranks are lost.
+# Step of one joint alone, for rank four or less, and the same least distance.
 CONTINUUM_FAR_STEP = 0.3
 CONTINUUM_FAR_KEPT = 6e-2
 
@@ -57,7 +57,7 @@ _DIRECTIONS = 4
 
 @inline
 def distance(data, a, b):
-    """Largest difference of two postures (rad, of a slide over the size)."""
+    """Return the largest difference of two postures (rad, for a slide over the size)."""
     apart = 0.0
     for j in range(6):
         if data[at.PACKED + 13 * j] == 0.0:
@@ -93,8 +93,8 @@ def _square(e, unit):
 def _newton_step(J, e, unit, damping, A, step):
     """Write the least-squares solution of J step = e, damped, to step (6,).
 
-    Lengths count ``unit`` times.  Householder reflections of A (12, 7), J above a multiple of 1,
-    keep digits that the normal equations would lose near a singular posture.
+    Lengths are multiplied by ``unit``.  Householder reflections of A (12, 7), J above a multiple of
+    1, preserve digits that the normal equations would lose near a singular posture.
     """
     root = math.sqrt(damping)
     for i in range(6):
@@ -133,7 +133,7 @@ def _newton_step(J, e, unit, damping, A, step):
 
 @inline
 def _lengthening(step, last):
-    """Return the sum of a sequence of steps that shrink by a factor, over the first; 1 if none."""
+    """Return the sum of a geometric sequence of steps over the first; 1 if it is not geometric."""
     square, along, before = 0.0, 0.0, 0.0
     for i in range(6):
         square += step[i] * step[i]
@@ -150,11 +150,11 @@ def _lengthening(step, last):
 
 @part(f8(IN1, IN2, OUT1, b1))
 def settle(data, T, q, calm):
-    """Improve q (6,) in place towards the pose T, also where the Jacobian is singular.
+    """Improve q (6,) in place towards the pose T, even if the Jacobian is singular.
 
-    Damping goes with the squared error (lengths over the size), which hinders no step.  ``calm``
-    ones go to the nearest posture of a continuum: their damping goes with the error itself, which
-    makes them slow where there is none.  Returns the remaining error, the larger of rad and m.
+    Damping is proportional to the squared error (lengths over the size), which slows no step.
+    ``calm`` steps lead to the nearest posture of a continuum: their damping is proportional to the
+    error, which is slow without a continuum.  Returns the remaining error, the larger of rad and m.
     """
     packed = data[at.PACKED : at.HEAD].reshape(7, 13)
     unit = 1.0 / data[at.SIZE]
@@ -206,8 +206,7 @@ def settle(data, T, q, calm):
 def regularity(data, packed, q, u, v):
     """Return the last two pivots of the Jacobian (lengths over the size) over the first.
 
-    u (6,) and v (6,) become the directions that it takes nearest to zero: one of them where the
-    last pivot alone is small, their pencil where both are.
+    u (6,) becomes its null vector; if both pivots are small, u and v (6,) span its null space.
     """
     J = np.empty((6, 6))
     pose = np.empty((4, 4))
@@ -227,7 +226,7 @@ def regularity(data, packed, q, u, v):
 
 @inline
 def is_between(data, T, p, q, trial):
-    """Return whether there is also a posture about halfway from p (6,) to q (6,)."""
+    """Return whether another posture exists about halfway from p (6,) to q (6,)."""
     for j in range(6):
         difference = q[j] - p[j]
         if data[at.PACKED + 13 * j] == 0.0:
@@ -241,7 +240,7 @@ def is_between(data, T, p, q, trial):
 
 @inline
 def _moved_on(data, T, q, direction, length, trial):
-    """Move on by ``length`` (rad) and settle; tell how far from q that ends, 0 for nowhere."""
+    """Step by ``length`` (rad) and settle; return the distance of the result from q, 0 if none."""
     largest = 0.0
     for j in range(6):
         largest = max(largest, abs(direction[j]))
@@ -254,7 +253,7 @@ def _moved_on(data, T, q, direction, length, trial):
 
 @inline
 def _goes_on(data, T, q, direction, step, kept, trial):
-    """Return whether steps of a length and of half of it (rad) end on a continuum through q."""
+    """Return whether ``step`` (rad) and half of it settle on a continuum through q."""
     far = _moved_on(data, T, q, direction, step, trial)
     if far < kept:
         return False
@@ -264,12 +263,12 @@ def _goes_on(data, T, q, direction, step, kept, trial):
 
 @part(b1(IN1, IN2, IN1, OUT1, OUT1, f8))
 def is_in_continuum(data, T, q, u, v, fifth):
-    """Return whether the joints can move on from a singular posture q (6,) while the tip stays.
+    """Return whether the joints can move from a singular posture q (6,) while the tip is fixed.
 
-    u, v and ``fifth`` are those of :func:`regularity`.  From a place beside an isolated posture,
-    of whatever multiplicity, one settles back to it; on a continuum one stays, at half the step
-    half as far away.  Where two ranks are lost or more, the way on need not be in the pencil of u
-    and v; then each joint is moved, farther, since it is only a part of that way.
+    u, v and ``fifth`` are those of :func:`regularity`.  Near an isolated posture of any
+    multiplicity, steps settle back to it; on a continuum they do not, and half the step ends half
+    as far away.  For rank four or less the direction need not be in the span of u and v; then each
+    joint is moved alone, by more, since it is only one component of that direction.
     """
     trial = np.empty(6)
     direction = np.empty(6)

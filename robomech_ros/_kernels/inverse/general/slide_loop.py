@@ -1,4 +1,4 @@
-"""The loop of a six-joint arm with two or three slides and its target: directions, then places.
+"""The loop of a six-joint arm with two or three slides and its target: rotations, then positions.
 
 Joints a, b, c, d are the revolute ones in the order of a form, as in ``slides``.  Angles
 are given as cosine and sine, complex where a joint has no real value.
@@ -14,7 +14,7 @@ from robomech_ros._kernels.inverse.general import layout as at
 
 @inline
 def _multiply(a, b, out):
-    """Write the product of rotations, rows of nine numbers."""
+    """Write the product of two rotations, each nine numbers row by row."""
     for i in range(3):
         for j in range(3):
             out[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j]
@@ -77,7 +77,7 @@ def middle(between, M):
 
 @inline
 def _inverse(z):
-    """Invert a complex number; 0 gives no number, where a division would raise an error."""
+    """Return the inverse of a complex number; for 0 it is NaN, a division would raise an error."""
     square = z.real * z.real + z.imag * z.imag
     return complex(z.real / square, -z.imag / square)
 
@@ -106,10 +106,10 @@ def turns_of(between, M, cosine, sine, turns):
 
 @inline
 def round_loop(data, form, loop, turns, way, slides):
-    """Write the way (3,) round the loop, slides at zero, and the directions of slides (3, 3).
+    """Write the closure gap (3,) of the loop with slides at zero, and their directions (3, 3).
 
-    Seen from the frame behind joint a, or from the first one where there is none: ``turns`` (3, 2)
-    are those of the joints b, c and d.
+    Both are in the frame behind joint a, without one in the first frame.  ``turns`` (3, 2) are
+    those of joints b, c and d.
     """
     frame = np.zeros((3, 3), np.complex128)
     row = np.empty(3, np.complex128)

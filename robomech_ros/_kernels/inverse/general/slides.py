@@ -1,24 +1,24 @@
 """Postures of six-joint arms with two or three slides, without special geometry.
 
-Slides leave directions alone.  Round the loop of arm and target the rotations of four revolute
-joints a, b, c, d obey ``R_a A R_b B R_c C R_d D = 1`` with constant rotations between them, one of
-which holds the target.  Given a, they are
+Slides do not change directions.  Along the loop of arm and target the rotations of four revolute
+joints a, b, c, d satisfy ``R_a A R_b B R_c C R_d D = 1`` with constant rotations between them, one
+of which contains the target.  Given a, that is
 
     R_b (B R_c C) R_d = M,  M = (D R_a A)^-1,
 
-of which ``z . B R_c C z = z . M z`` is an equation of order one for c; b and d follow from the
-third column and the third row.  An arm with three slides has no joint a, and the slides, wherever
-they are, obey linear equations.
+and ``z . B R_c C z = z . M z`` is an equation of order one for c; b and d follow from the third
+column and the third row.  An arm with three slides has no joint a, and its slides satisfy linear
+equations.
 
-With two slides the loop closes where their directions u, v and the way w round it lie in a plane.
+With two slides the loop closes if their directions u, v and its gap w without them lie in a plane.
 With f the triple product of these three, for both values of c, the function
 
     g(a) = f_1 f_2 (1 - (z . M z)^2)
 
-is a trigonometric polynomial of order four, whichever joint is a: the last factor takes away the
-poles where axes b and d line up.  Where c stands at the same angle to both, both f have a pole, and
-it takes the square of this factor, order six.  Where c is not real, f_1 and f_2 are conjugate.  The
-zeros of g, eight but for those of the factor, are the values of a in all postures.
+is a trigonometric polynomial of order four for every choice of a: the last factor removes the
+poles at which axes b and d are parallel.  If c is at the same angle to both, both f have a pole,
+and the square of this factor is needed, order six.  If c is not real, f_1 and f_2 are conjugate.
+The zeros of g, eight without those of the factor, are the values of a in all postures.
 """
 
 import math
@@ -42,30 +42,29 @@ from robomech_ros._kernels.inverse.general.slide_loop import (
     turns_of,
 )
 
-# A determinant whose largest value is not this many times its rounding says nothing.
+# Least ratio of the largest value of a determinant to its rounding; below it the form is void.
 GENERAL_VOID = 1e3
-# Below this (of squares of sines) the axes about which two joints turn line up, for another form to
-# be asked.
+# Below this squared sine two axes count as parallel, and another form is needed.
 SLIDES_REGULAR = 1e-8
-# If the discriminant of joint c (absolute) is not below this negative value, the rounding of a
-# simple zero may have made it negative.
+# A discriminant of joint c (absolute) of at least minus this may be negative only by the rounding
+# of a simple zero.
 SLIDES_BRANCH = 1e-6
-# Above this discriminant (relative) two postures are more than SAME_POSTURE apart, and its rounding
-# leaves them where they are.
+# Above this discriminant (relative) two postures are more than SAME_POSTURE apart, and rounding
+# does not move them.
 SLIDES_DOUBLE = 1e-11
-# Over an interval so wide (rad) a square of a sine that is beyond it at both ends is so in between.
+# Widest interval (rad) in which a discriminant beyond SLIDES_REGULAR at both ends is so in between.
 SLIDES_WIDTH = 1e-4
-# Damping (of squares of sines) of slides that can move against each other: above the rounding.
+# Damping (of squared sines) for slides that can move against each other: above the rounding.
 SLIDES_DAMPING = 1e-13
-# Postures with slides farther out than this (of the arm's size) are none: the slides are parallel.
+# Largest displacement of slides (of the arm's size); beyond it they are parallel.
 SLIDES_FARTHEST = 1e6
-# Values of a hidden joint that are tried where its determinant vanishes all round.
+# Number of values tried for a hidden joint if its determinant vanishes at all angles.
 GENERAL_FREE_VALUES = 16
 
 MAX_TRIALS = 16
 _ORDER = 4
 _ORDER_SQUARED = 6
-# Added to equally spaced samples, so that none is a multiple of 45 degrees, where axes line up.
+# Added to equally spaced samples, so that none is a multiple of 45 degrees, with parallel axes.
 _OFFSET = math.pi / (8 * SAMPLES)
 _COSINES = np.cos(_OFFSET + 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES)
 _SINES = np.sin(_OFFSET + 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES)
@@ -73,7 +72,7 @@ _SINES = np.sin(_OFFSET + 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES)
 
 @inline
 def _evaluate(data, form, loop, between, cosine, sine, M, turns, way, slides):
-    """Evaluate g at a value of joint a; return it, what rounding may have done, its last factor."""
+    """Return g at a value of joint a, the scale of its rounding and its last factor."""
     demanded_turn(between, cosine, sine, M)
     k, c, s = middle(between, M)
     square = c * c + s * s
@@ -98,9 +97,9 @@ def _evaluate(data, form, loop, between, cosine, sine, M, turns, way, slides):
 
 @inline
 def _shortest(slides, way, used, values):
-    """Write how far to move the slides (3,) to close the loop, as little as does it.
+    """Write the shortest displacements (3,) of the slides that close the loop.
 
-    Least squares with a little damping: slides that can move against each other share the way.
+    Damped least squares, so that slides that can move against each other share the motion.
     """
     N = np.zeros((3, 4))
     for i in range(3):
@@ -124,7 +123,7 @@ def _shortest(slides, way, used, values):
 
 @inline
 def _enter(data, form, cosine, sine, turns, way, slides, trial):
-    """Write the joint values of a posture to trial (6,), the real parts of complex ones."""
+    """Write the joint values of a posture, real parts if complex, to trial (6,)."""
     two = data[at.SLIDES] == 2.0
     values = np.empty(3)
     _shortest(slides, way, 2 if two else 3, values)
@@ -145,7 +144,7 @@ def _enter(data, form, cosine, sine, turns, way, slides, trial):
 
 @inline
 def _transformed(values, order, shape):
-    """Write parts of cos kx and sin kx up to an order to shape (2, 9); return the largest other."""
+    """Write the harmonics up to an order to shape (2, 9); return the largest higher one."""
     rounding = 0.0
     for k in range(9):
         a, b = 0.0, 0.0
@@ -163,7 +162,7 @@ def _transformed(values, order, shape):
 def _hidden_values(data, form, loop, between, seed, roots, M, turns, way, slides):
     """Write the values of joint a in all postures; return how many, if these are all, and if void.
 
-    If g vanishes all round, joint a may be free; then the seed's value and others are used.
+    If g vanishes at all angles, joint a may be free; then the seed's value and others are used.
     """
     values = np.empty(SAMPLES)
     factors = np.empty(SAMPLES)
@@ -208,7 +207,7 @@ def _is_complex(between, hidden, M):
 
 @inline
 def _nearness(way, slides):
-    """Tell where two slides close the loop: 1 near the arm, 0 nowhere, -1 anywhere, if parallel."""
+    """Return 1 if two slides close the loop near the arm, 0 if nowhere, -1 if anywhere."""
     across, along = 0.0, 0.0
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
@@ -223,10 +222,10 @@ def _nearness(way, slides):
 
 @inline
 def _better(data, form, loop, between, cosine, sine, M, turns, way, slides, trial):
-    """Write the better of the two postures with a value of joint a, a simple zero or in a cluster.
+    """Write the better of the two postures for a value of joint a, a simple zero or in a cluster.
 
-    Returns how many there are near the arm, and whether that is clear.  At a simple zero c is real;
-    where its two values meet, the rounding of the zero makes it complex by the root of it.
+    Returns the number of postures near the arm, and whether it is certain.  At a simple zero c is
+    real; if its two values coincide, the rounding of the zero may make it complex.
     """
     demanded_turn(between, cosine, sine, M)
     k, c, s = middle(between, M)
@@ -235,7 +234,7 @@ def _better(data, form, loop, between, cosine, sine, M, turns, way, slides, tria
         return 0, False
     sign, least = 1.0, math.inf
     for number in range(3):
-        # The better one is the last.
+        # The third evaluation repeats the better of the first two.
         p, q = root(k, c, s, sign if number == 2 else 1.0 - 2.0 * number)
         turns_of(between, M, p, q, turns)
         round_loop(data, form, loop, turns, way, slides)
@@ -246,7 +245,7 @@ def _better(data, form, loop, between, cosine, sine, M, turns, way, slides, tria
         return 0, False
     near = _nearness(way, slides)
     if near == 0:
-        # Unless axes line up, the directions of the slides are known.
+        # Unless axes are parallel, the directions of the slides are accurate.
         return 0, min(square, (1.0 - M[8]) * (1.0 + M[8])) > SLIDES_REGULAR
     _enter(data, form, cosine, sine, turns, way, slides, trial)
     return 1, near > 0
@@ -270,7 +269,7 @@ def _without_hidden(data, form, loop, between, M, turns, way, slides, trials):
         p, q = root(k, c, s, sign)
         turns_of(between, M, p, q, turns)
         round_loop(data, form, loop, turns, way, slides)
-        # In one plane they may move while the tip stays.
+        # Slides in one plane may move while the tip does not.
         simple = simple and abs(triple(slides[0], slides[1], slides[2])) > SLIDES_REGULAR
         _enter(data, form, 1.0, 0.0, turns, way, slides, trials[number])
     return 2, simple
@@ -278,11 +277,10 @@ def _without_hidden(data, form, loop, between, M, turns, way, slides, trials):
 
 @part(types.Tuple((i8, b1, b1))(IN1, i8, IN1, IN1, OUT2))
 def slide_postures(data, form, back, seed, trials):
-    """Write the postures that a form gives to trials (MAX_TRIALS, 6).
+    """Write the postures of a form to trials (MAX_TRIALS, 6).
 
-    ``back`` (12,) is the inverse of the pose demanded.  Returns how many they are, whether all
-    postures are among them and each stands for one alone, and whether the hidden joint may be free;
-    then they are a choice.
+    ``back`` (12,) is the inverse of the required pose.  Returns their number, whether they are all
+    postures and all different, and whether the hidden joint may be free; then they are a selection.
     """
     loop = np.empty((6, 12))
     between = np.empty((4, 9))
@@ -302,7 +300,7 @@ def slide_postures(data, form, back, seed, trials):
     for k in range(zeros):
         low, high = roots[k, 0], roots[k, 1]
         if 0.0 < high - low < SLIDES_WIDTH:
-            # If c is not real, g is a square but for a positive factor: no zero is simple.
+            # If c is not real, g is a square times a positive factor: no zero is simple.
             if _is_complex(between, low, M) and _is_complex(between, high, M):
                 continue
         clean = clean and low == high and count < MAX_TRIALS

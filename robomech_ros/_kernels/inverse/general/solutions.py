@@ -1,17 +1,17 @@
 """All solutions of any six-joint arm.
 
 The forms of the arm are tried, the best first, until one is clean: its elimination is regular,
-its determinant is well above rounding, and each zero, or crowd of zeros, has led to all postures
-that belong to it.  Then the list is complete.
+its determinant is well above rounding, and all postures of each zero or cluster of zeros have been
+found.  Then the list is complete.
 
-If links line up or stand square, that may fail for every form.  Then the pose is nudged, back
-and forth, to neighbours that are solved cleanly, and their solutions settle back.  Where the
-Jacobian is regular a solution has one beside it for every pose nearby, so that none of these can
-be lost; a fold keeps its two on one side; and where more has merged, the determinant of the
-neighbour at least comes near zero, so that postures are sought there, too.  The list counts as
-complete where a nudge and its opposite were clean, none of their solutions was lost on the way,
-and both led to all solutions that are far from singular; but not where the determinant of every
-form vanishes all round, as it does where a joint is free.
+With parallel or perpendicular links that may fail for every form.  Then the pose is nudged in both
+senses to neighbouring poses that are solved cleanly, and their solutions settle back.  A solution
+with a regular Jacobian has a neighbour at every nearby pose, so it cannot be missed.  A fold has
+two neighbours on one side; if more solutions have merged, the determinant of the neighbouring pose
+at least comes near zero, and postures are sought there, too.  The list counts as complete if a
+nudge and its opposite were clean, none of their solutions was lost, and both led to all solutions
+far from singular; but not if the determinant of every form vanishes at all angles, as with a free
+joint.
 """
 
 import math
@@ -50,43 +50,41 @@ from robomech_ros._kernels.tolerances import ACCEPTED, GENERAL_SINGULAR
 # Ratio of pivots of a Jacobian (lengths over the size) above which a posture counts as far from
 # singular.
 GENERAL_REGULAR = 2e-2
-# The same ratio of the last pivot below which rounding moves a posture by SAME_POSTURE or more;
-# with slides hundreds of sizes out it is some 1e-8.
+# The same ratio below which rounding moves a posture by SAME_POSTURE or more; with slides hundreds
+# of sizes out it is about 1e-8.
 GENERAL_LOST = 1e-10
-# The pose must bend away by this, measured as FOLD_LEAST is, where solutions have settled, for no
-# third one to be near.
+# Least slope (as FOLD_LEAST) at settled solutions without a third one nearby.
 FOLD_SHARP = 1e-2
-# Starts of a search where nothing has been found and nothing is proved.
+# Number of starts of a search if no solution was found.
 GENERAL_STARTS = 32
-# A regular solution is not farther (rad) from its nudged one.
+# Largest distance (rad) of a regular solution from that of a nudged pose.
 NUDGED_AWAY = 0.2
-# A nudged posture is followed back in these parts where it does not settle at once.
+# Fractions of the nudge at which a posture is followed back if it does not settle at once.
 NUDGE_PARTS = (0.5, 0.25, 0.125, 0.06, 2e-2, 4e-3, 4e-4, 4e-5, 4e-6)
 
-# Steps of an additive sequence that fills the six joints' box evenly: powers of the root of
-# x^7 = x + 1.
+# Strides of an additive low-discrepancy sequence in six joints: powers of the root of x^7 = x + 1.
 _SPREAD = tuple(1.1127756842787055 ** -(j + 1) for j in range(6))
-# Beside the rows reached, as bits.
+# Added to the bits of the rows reached.
 _IS_CLEAN = 1 << 16
-# Nudges of a pose: rotation (rad), and translation over the size.  Each is used both ways; the
-# first stays near all solutions, the others are sure to leave a degenerate pose.
+# Nudges of a pose: rotation (rad), and translation over the size, used in both senses.  The first
+# is small enough for all solutions to be near, the others large enough to leave a degenerate pose.
 _NUDGES = (
     (-0.5e-4, 0.8e-4, 0.4e-4, 0.3e-4, -0.9e-4, 0.6e-4),
     (1.1e-3, -0.7e-3, 0.8e-3, 0.9e-3, 0.5e-3, -1.2e-3),
     (1.5e-2, 0.9e-2, -1.2e-2, 0.7e-2, -1.6e-2, 1.0e-2),
 )
-# The pose itself is number 0.
+# Number of poses; the pose itself has index 0.
 _NUDGED = 1 + 2 * len(_NUDGES)
 
 
 @inline
 def _nudged(data, T, number, part, near):
-    """Write the pose T, moved by a part of a nudge (number 0: not moved), to near (4, 4)."""
+    """Write the pose T, moved by ``part`` of nudge ``number`` (0: not moved), to near (4, 4)."""
     u = _NUDGES[(number - 1) // 2]
     scale = part * (0.0 if number == 0 else 1.0 if number % 2 == 1 else -1.0)
     x, y, z = scale * u[0], scale * u[1], scale * u[2]
     square = x * x + y * y + z * z
-    # Cayley's rotation, which needs no case for small angles.
+    # Cayley's rotation needs no case for small angles.
     w = 1.0 / (1.0 + square)
     a, b = 2.0 * w, (1.0 - square) * w
     for j in range(3):
@@ -106,7 +104,7 @@ def _nudged(data, T, number, part, near):
 def _follow_back(data, T, number, start, trial, q, marks, state):
     """Follow a solution of a nudged pose, ``start``, to the pose T; return its row, -1 for none.
 
-    A regular one is a few Newton steps away, and not far; any other one settles.
+    A regular solution takes a few Newton steps and is near; any other one settles.
     """
     packed = data[at.PACKED : at.HEAD].reshape(7, 13)
     for j in range(6):
@@ -132,7 +130,7 @@ def _follow_back(data, T, number, start, trial, q, marks, state):
 
 @part(i8(IN1, IN2, OUT2, IOUT1, IOUT1))
 def _classify(data, T, q, marks, state):
-    """Mark continua and folds; return which solutions are far from singular, as bits."""
+    """Mark continua and folds; return the bits of the solutions that are far from singular."""
     packed = data[at.PACKED : at.HEAD].reshape(7, 13)
     u, v = np.empty(6), np.empty(6)
     regular = 0
@@ -148,9 +146,9 @@ def _classify(data, T, q, marks, state):
 
 @part(types.UniTuple(b1, 2)(IN1, IN2, IN1, OUT2, IOUT1, IOUT1, OUT2))
 def _solve_at(data, T, seed, q, marks, state, loose):
-    """Enter the solutions of the first clean form, or of all, in q.
+    """Enter the solutions of the forms in q, up to the first clean one.
 
-    Returns whether one is clean, and whether all are void.
+    Returns whether a form is clean, and whether all are void.
     """
     pose = np.empty(12)
     back = np.empty(12)
@@ -174,9 +172,9 @@ def _solve_at(data, T, seed, q, marks, state, loose):
 
 @part(b1(IN1, IN2, IN1, b1, OUT2, IOUT1, IOUT1))
 def _solve_nudged(data, T, seed, void, q, marks, state):
-    """Enter the solutions that are reached from neighbouring poses; return whether they are all.
+    """Enter the solutions reached from neighbouring poses; return whether they are all.
 
-    Nothing is claimed where every form is ``void`` at T itself: then more neighbours are asked.
+    If every form is ``void`` at T itself, nothing is proved, and more neighbours are solved.
     """
     near = np.empty((4, 4))
     trial = np.empty(6)
@@ -190,7 +188,7 @@ def _solve_nudged(data, T, seed, void, q, marks, state):
         for k in range(STATE):
             there[k] = 0
         if number > 4:
-            # So far away the determinant tells little about this pose.
+            # The determinant at a pose so far away is not conclusive for this one.
             there[LOOSE] = -1
         clean, _ = _solve_at(data, near, seed, others, other_marks, there, loose)
         rows = 0
@@ -199,7 +197,7 @@ def _solve_nudged(data, T, seed, void, q, marks, state):
             if row >= 0:
                 rows |= 1 << row
             else:
-                # There is more at this pose than folds.
+                # This pose has merged solutions other than folds.
                 clean = False
         for k in range(there[LOOSE]):
             admit(data, T, loose[k], True, q, marks, state)
@@ -218,7 +216,7 @@ def _solve_nudged(data, T, seed, void, q, marks, state):
 
 @part(types.void(IN1, IN2, IN1, OUT2, IOUT1, IOUT1))
 def _search(data, T, seed, q, marks, state):
-    """Settle from the seed and from evenly spread starts, until there is a posture."""
+    """Settle from the seed and from a low-discrepancy sequence until a posture is found."""
     trial = np.empty(6)
     for k in range(GENERAL_STARTS):
         for j in range(6):
@@ -233,7 +231,7 @@ def _search(data, T, seed, q, marks, state):
 
 @inline
 def _cleared(state):
-    """Make ``state`` that of a pose to begin with, without loose postures; return it."""
+    """Reset ``state`` for a new pose, without loose postures; return it."""
     for k in range(STATE):
         state[k] = 0
     state[LOOSE] = -1
@@ -244,7 +242,7 @@ def _cleared(state):
 def try_forms(data, T, seed):
     """Solve for the pose T (4, 4) without neighbours; return whether a form is clean, and effort.
 
-    The effort is counted as ``forms.EFFORT`` is, so that it is the same on every machine.
+    The effort is ``forms.EFFORT``, a count that does not depend on the machine.
     """
     state = _cleared(np.empty(STATE, np.int64))
     marks = np.empty(MAX_SOLUTIONS, np.int64)
@@ -257,7 +255,7 @@ def try_forms(data, T, seed):
 def solve_general(data, T, seed, q, branch):
     """Write all solutions for the pose T (4, 4) to q (16, 6) and branch (16,).
 
-    Returns how many, plus DOUBT where the list may lack one.
+    Returns their number, plus DOUBT if the list may be incomplete.
     """
     state = _cleared(np.empty(STATE, np.int64))
     marks = np.empty(MAX_SOLUTIONS, np.int64)
@@ -266,12 +264,12 @@ def solve_general(data, T, seed, q, branch):
     slides = data[at.SLIDES] > 0.0
     clean, void = _solve_at(data, T, seed, q, marks, state, q)
     if slides and clean:
-        # A zero that is simple has a posture that is.
+        # A simple zero has a simple posture.
         clean = all_simple(packed, size, q, marks, 0, state[COUNT], GENERAL_LOST, FOLD_LEAST)
     if not clean:
         clean = _solve_nudged(data, T, seed, void, q, marks, state)
         if slides and clean:
-            # Slides may have moved far along a continuum, where it is not told as one.
+            # Far along a continuum of slides it may not be detected as one.
             clean = all_simple(packed, size, q, marks, 0, state[COUNT], GENERAL_REGULAR, FOLD_SHARP)
         if state[COUNT] == 0:
             clean = False
