@@ -1,1 +1,1 @@
-"""Arms with more than six joints: their self-motion, sampled and followed."""
+"""Inverse kinematics of arms with more than six joints: samples and traces of self-motions."""

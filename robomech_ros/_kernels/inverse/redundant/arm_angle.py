@@ -1,9 +1,9 @@
-"""Seven revolute joints with a spherical shoulder and a spherical wrist: postures for an arm angle.
+"""Postures for an arm angle, seven revolute joints with a spherical shoulder and spherical wrist.
 
-The distance between both centres gives joint 4.  With it the whole arm is a rigid triangle of
-shoulder, elbow and wrist that can turn about the line between the centres; the arm angle is that of
-the elbow, measured from a reference direction.  The rotation of the upper arm then gives joints 1
-to 3, and what is left of the tip's rotation joints 5 to 7: up to eight postures in all.
+The distance between both centres gives joint 4.  Shoulder, elbow and wrist are then a rigid
+triangle that can turn about the line between the centres; the arm angle is that of the elbow,
+measured from a reference direction.  The rotation of the upper arm gives joints 1 to 3, and the
+remaining rotation of the tip joints 5 to 7: up to eight postures.
 
 References
 ----------
@@ -53,14 +53,14 @@ def _scaled(u, factor):
 
 @inline
 def _shoulder_to(packed, parts):
-    """Vector from the shoulder to the origin of joint 4, in the frame that moves with joint 3."""
+    """Return the vector from the shoulder to joint 4, in the frame that moves with joint 3."""
     sx, sy, sz = _vector(parts, at.CENTRE_3)
     return packed[3, 10] - sx, packed[3, 11] - sy, packed[3, 12] - sz
 
 
 @inline
 def to_wrist(packed, parts, cosine, sine):
-    """Vector from shoulder to wrist in the frame that moves with joint 3."""
+    """Return the vector from shoulder to wrist in the frame that moves with joint 3."""
     wx, wy, wz = _vector(parts, at.CENTRE_4)
     x, y, z = turned(packed, 3, (cosine * wx - sine * wy, sine * wx + cosine * wy, wz))
     ux, uy, uz = _shoulder_to(packed, parts)
@@ -69,7 +69,7 @@ def to_wrist(packed, parts, cosine, sine):
 
 @inline
 def _side(along, v):
-    """Return direction and length of v's part perpendicular to the unit vector ``along``."""
+    """Return direction and length of the component of v perpendicular to unit vector ``along``."""
     part = dot(along, v)
     x, y, z = v[0] - part * along[0], v[1] - part * along[1], v[2] - part * along[2]
     length = math.sqrt(x * x + y * y + z * z)
@@ -79,7 +79,7 @@ def _side(along, v):
 
 @inline
 def arm_triad(packed, parts, p):
-    """Axes of the arm in the frame that moves with joint 3: to the wrist, to the elbow, normal."""
+    """Return the arm's axes in the frame behind joint 3: to the wrist, to the elbow, normal."""
     inverse = 1.0 / math.sqrt(dot(p, p))
     along = _scaled(p, inverse)
     axis = (packed[3, 3], packed[3, 6], packed[3, 9])
@@ -93,7 +93,7 @@ def arm_triad(packed, parts, p):
 
 @inline
 def base_triad(parts, d):
-    """Axes in the base: to the wrist, the reference perpendicular to that, and their normal."""
+    """Return axes in the base: to the wrist, the reference perpendicular to it, their normal."""
     inverse = 1.0 / math.sqrt(dot(d, d))
     along = _scaled(d, inverse)
     side, length = _side(along, _vector(parts, at.REFERENCE))
@@ -104,7 +104,7 @@ def base_triad(parts, d):
 
 @inline
 def product_of(a, b):
-    """a^T b for rotations given as three rows."""
+    """Return a^T b for rotations given as three rows."""
     x = mixed((a[0][0], a[1][0], a[2][0]), b[0], b[1], b[2])
     y = mixed((a[0][1], a[1][1], a[2][1]), b[0], b[1], b[2])
     return x + y + mixed((a[0][2], a[1][2], a[2][2]), b[0], b[1], b[2])
@@ -112,7 +112,7 @@ def product_of(a, b):
 
 @inline
 def upper_arm(base, arm, cosine, sine):
-    """Rows of the rotation that takes the arm's axes, turned by the arm angle, to the base's."""
+    """Return the rotation, in rows, from the arm's axes to the base's turned by the arm angle."""
     d, e, n = base
     ex, ey, ez = combined(scaled(e, cosine), n, sine)
     nx, ny, nz = combined(scaled(n, cosine), e, -sine)
@@ -121,7 +121,7 @@ def upper_arm(base, arm, cosine, sine):
 
 @inline
 def rows_of(packed, row):
-    """Rows of the rotation of a constant transform."""
+    """Return the rows of the rotation of a constant transform."""
     return (
         (packed[row, 1], packed[row, 2], packed[row, 3]),
         (packed[row, 4], packed[row, 5], packed[row, 6]),
@@ -131,7 +131,7 @@ def rows_of(packed, row):
 
 @inline
 def left_for_wrist(packed, T, R, cosine, sine):
-    """Rz(q_5) C_5 Rz(q_6) C_6 Rz(q_7), nine numbers."""
+    """Return Rz(q_5) C_5 Rz(q_6) C_6 Rz(q_7), the remaining rotation, in nine numbers."""
     # R C_3 Rz(q_4) C_4.
     a, b, c = rows_of(packed, 4)
     a, b = combined(scaled(a, cosine), b, -sine), combined(scaled(a, sine), b, cosine)
@@ -155,13 +155,13 @@ def _enter(parts, first, q4, last, q):
 
 @inline
 def _spherical(data, block):
-    """Constants of a spherical joint as `spherical_wrist` finds them in those of an arm."""
+    """Return the constants of a spherical joint in the layout of :func:`spherical_wrist`."""
     return data[at.ARM + block - wrist_at.ANGLES :]
 
 
 @inline
 def elbows(data, T):
-    """Return the number of values of joint 4, their cosines and sines, and shoulder to wrist."""
+    """Return the number of values of joint 4, their cosines and sines, and the wrist vector."""
     packed, parts = parts_of(data)
     x, y, z = times(T, _vector(parts, at.CENTRE_7))
     start = _vector(parts, at.CENTRE_0)
@@ -188,7 +188,7 @@ def arm_angle_postures(data, T, seed, angle, q, branch):
     """Write the postures for the pose T (4, 4) with this arm angle to q (8, 7).
 
     A joint that is free in a singular shoulder or wrist takes the value of ``seed`` (7,).
-    Returns how many there are.
+    Returns the number of postures.
     """
     packed, parts = parts_of(data)
     roots, (c1, s1, c2, s2), d = elbows(data, T)
@@ -229,7 +229,7 @@ def arm_angle_postures(data, T, seed, angle, q, branch):
 
 @kernel(f8(IN1, IN1))
 def arm_angle(data, q):
-    """Arm angle (rad) of the posture q (7,)."""
+    """Return the arm angle (rad) of the posture q (7,)."""
     packed, parts = parts_of(data)
     p = to_wrist(packed, parts, math.cos(q[3]), math.sin(q[3]))
     _, side, _ = arm_triad(packed, parts, p)

@@ -1,7 +1,7 @@
-"""Crossings of self-motions: near a singular posture one branch leads past others.
+"""Crossings of self-motions: near a singular posture branches meet or pass closely.
 
-There the plane of the self-motion and of the weakest other direction holds all branches.  Postures
-on a circle in it, put on the pose, are starts on each of them.
+There the plane of the self-motion and of the weakest other direction contains all branches.
+Postures on a circle in that plane, corrected to the pose, are starts on each of them.
 """
 
 import math
@@ -11,18 +11,19 @@ from robomech_ros._kernels.compiling.jit import lean, scratch
 from robomech_ros._kernels.inverse.ranking import place
 from robomech_ros._kernels.inverse.redundant.settling import copy, put_on
 
-# Branches cross, or pass each other closely, where a parabola through three squared least singular
-# values (rad or m per rad) comes down to the square of this.
+# Branches cross, or pass closely, if a parabola through three squared smallest singular values
+# (rad or m per rad) has a minimum below the square of this.
 CROSSING = 0.02
-# Number of postures on the circle, its radius (rad or m), and how far off it they may end.
+# Number of postures on the circle, its radius (rad or m), and their largest distance from its
+# centre after correction.
 AROUND, RADIUS, OFF_CIRCLE = 8, 0.2, 0.4
-# Rounds of inverse iteration for the weakest direction; each step continues from the last.
+# Inverse iterations for the weakest direction; each step continues from the last.
 _ROUNDS = 2
 
 
 @lean
 def _normalise(v, n):
-    """Divide v (n,) by its length, and return that."""
+    """Divide v (n,) by its length; return the length."""
     squares = 0.0
     for i in range(n):
         squares += v[i] * v[i]
@@ -34,9 +35,9 @@ def _normalise(v, n):
 
 @lean
 def weakest_direction(bench, u, v):
-    """Write the unit direction v (7,) of least tip motion, and return the size of that motion.
+    """Write the unit direction v (7,) of least tip motion; return the size of that motion.
 
-    The self-motion is left out.  The motion of the tip u (6,) starts from the one passed in.
+    Self-motions are excluded.  The iteration starts from the tip motion u (6,) and updates it.
     """
     J, _, _, _, A, _ = bench
     for _ in range(_ROUNDS):
@@ -51,9 +52,9 @@ def weakest_direction(bench, u, v):
 
 @lean
 def passes_crossing(before, here, ahead, past, length):
-    """Return whether three singular values on a self-motion have a crossing at the middle one.
+    """Return whether three singular values on a self-motion show a crossing at the middle one.
 
-    The second is ``past`` the first, and the third a ``length`` from it (rad or m).
+    ``past`` is the step from the first to the second, ``length`` the next step (rad or m).
     """
     if here > before or here > ahead:
         return False
@@ -66,9 +67,9 @@ def passes_crossing(before, here, ahead, past, length):
 
 @lean
 def enter_crossing(packed, T, request, bench, along, beside, centre, queue, queued):
-    """Queue postures around ``centre`` (7,) that have the pose; return how many are queued.
+    """Queue postures of the pose around ``centre`` (7,); return the number of queued postures.
 
-    ``along`` (7,) is the direction of the self-motion, ``beside`` (7,) the weakest other one.
+    ``along`` (7,) is the direction of the self-motion, ``weak`` (7,) the weakest other one.
     """
     turns, lower, upper, seed, _, _ = request
     q, g, unit = scratch(7), scratch(7), scratch(7)

@@ -1,7 +1,7 @@
 """The posture of a redundant arm nearest to a seed, along the self-motion of one posture.
 
-Every step corrects the pose by the shortest move of the joints, and goes along the self-motion as
-far as the linearised distance asks, inside the joint limits.
+Every step corrects the pose by the shortest move of the joints, and moves along the self-motion to
+the minimum of the linearised distance inside the joint limits.
 """
 
 import math
@@ -21,33 +21,32 @@ from robomech_ros._kernels.tolerances import AT_LIMIT, ON_BOUNDARY
 NEAREST_STEP = 1e-3
 # Accepted error of the pose (rad, m).
 NEAREST_ERROR = 1e-12
-# Damping over the squared error, which keeps steps beside a singular posture short and hinders no
-# other.
+# Damping over the squared error: it shortens steps near a singular posture and no others.
 NEAREST_DAMPING = 1e-2
-# and steps at most, all but the last along the self-motion: those that go well need four to seven.
+# Largest number of steps; convergent searches need four to seven.
 NEAREST_ITERATIONS = 20
 # Largest error of the pose (rad, m) for a step.
 NEAREST_FARTHEST = 10.0
 
-# Longest change of a joint (rad or m) in a step along the self-motion, and in one that corrects.
+# Longest change of a joint (rad or m) in a step along the self-motion, and in a correction.
 _LONGEST = 0.5
 _LONGEST_CORRECTION = 1.0
 # A joint that moves less than this fraction of the others is not moved into its limits.
 _STANDING = 1e-6
-# If the farthest joint moves less than this fraction, another request gives the direction.
+# If the farthest joint moves less than this fraction, another vector gives the direction.
 _HARDLY = 0.1
 _ANY = (0.6, -0.5, 0.4, 0.7, -0.4, 0.5, 0.6)
-# Beside singular postures a correction may lead back: if by this part of a step, that was too long,
-# for the next by this factor.
+# Near singular postures a correction may undo part of a step.  If it undoes more than this
+# fraction, the next step is shorter by this factor.
 _MUCH_UNDONE, _SHORTER = 0.25, 0.4
-# Cuts that find the least of some dozen lines' largest value; a few do.
+# Largest number of cuts for the minimum of the largest of about a dozen lines; a few suffice.
 _CUTS = 32
 _ROUNDING = 1e-12
 
 
 @lean
 def _largest_after(q, seed, t, s):
-    """Largest difference from the seed after a step s along t, and its derivative by s."""
+    """Return the largest difference from the seed after a step s along t, and its derivative."""
     largest = -1.0
     slope = 0.0
     for i in range(q.shape[0]):
@@ -60,10 +59,10 @@ def _largest_after(q, seed, t, s):
 
 @lean
 def minimax(q, seed, t, low, high):
-    """Step in [low, high] along t after which the largest difference from the seed is least.
+    """Return the step in [low, high] along t that minimises the largest difference from the seed.
 
-    It is convex in the step and made of lines: where the falling one to the left and the rising one
-    to the right of the least value meet is a better place for one of both, until none is.
+    It is convex and piecewise linear in the step: the intersection of a falling line on the left
+    and a rising one on the right replaces one of both until it is the minimum.
     """
     a, b, s = low, high, low
     fa, ga = _largest_after(q, seed, t, a)
@@ -136,7 +135,7 @@ def _length(q, seed, metric, t, lower, upper, bounded):
                 low = max(low, min(one, other))
                 high = min(high, max(one, other))
         if low > high:
-            # Not all can come inside: half a step for both.
+            # Not all joints can be inside: use the middle.
             return min(max(0.5 * (low + high), -longest), longest)
     if metric == LINF:
         return minimax(q, seed, t, low, high)
@@ -145,7 +144,7 @@ def _length(q, seed, metric, t, lower, upper, bounded):
 
 @lean
 def _inside(q, lower, upper):
-    """Return whether q keeps its limits; what is beyond by rounding is put on them."""
+    """Return whether q is inside its limits; clip it if it is outside by rounding only."""
     for i in range(q.shape[0]):
         if not lower[i] - AT_LIMIT <= q[i] <= upper[i] + AT_LIMIT:
             return False
@@ -156,9 +155,9 @@ def _inside(q, lower, upper):
 
 @lean
 def correct(J, y, before, q):
-    """Add J^T y to q, the shortest move that corrects the pose, or the first part of a long one.
+    """Add J^T y, the shortest move that corrects the pose, to q, shortened if it is too long.
 
-    Returns how far that undoes the step ``before`` (n,) along the self-motion, as a part of it.
+    Returns the fraction of the step ``before`` (n,) along the self-motion that this undoes.
     """
     longest = 0.0
     for k in range(q.shape[0]):
@@ -180,7 +179,7 @@ def correct(J, y, before, q):
 
 @lean
 def _project(J, A, y, g):
-    """Take from g (n,) what moves the tip; A (6, 6) is factored.  Returns the largest rest."""
+    """Project g (n,) onto the self-motion, A (6, 6) factored; return its largest entry."""
     n = g.shape[0]
     for i in range(6):
         y[i] = 0.0
@@ -201,7 +200,7 @@ def _direction(J, A, y, q, seed, metric, g):
     _wish(q, seed, metric, g)
     largest = _project(J, A, y, g)
     if q.shape[0] == 7 and metric == LINF and largest < _HARDLY:
-        # The farthest joint hardly moves: there is one direction, which another wish shows better.
+        # The farthest joint hardly moves: another vector gives the only direction more accurately.
         for k in range(7):
             g[k] = _ANY[k]
         _project(J, A, y, g)
@@ -209,10 +208,10 @@ def _direction(J, A, y, q, seed, metric, g):
 
 @lean
 def direction_like(J, A, y, way, g):
-    """Write the direction of the self-motion of seven joints on which g (7,) was a way ahead.
+    """Write the direction of the self-motion of seven joints nearest to g (7,) to g.
 
-    If g is zero, ``way`` is its sense.  The joint that moves most moves by one; False where none
-    does.
+    If g is zero, ``sense`` gives its sense.  The joint that moves most moves by 1; returns False
+    without such a direction.
     """
     largest = 0.0
     for k in range(7):
@@ -230,11 +229,11 @@ def direction_like(J, A, y, way, g):
 
 @lean
 def _held_back(s, q, seed, metric, g, before, fall, undone):
-    """Shorten the step s along g where it leads back, to where the slopes of both meet zero.
+    """Shorten a step s along g that reverses the last one, to where the slope is zero.
 
-    ``fall`` is how fast the distance fell along the step ``before`` (n,), of which the correction
-    has ``undone`` a part: where that is much, the next step is shorter.  Returns the step, and how
-    fast the distance falls along g.
+    ``fall`` is the slope at which the distance fell along the last step, ``before`` (n,).  The step
+    is shorter if the correction has ``undone`` a large fraction of it.  Returns the step, and the
+    slope at which the distance falls along g.
     """
     back = squares = lengths = 0.0
     for k in range(g.shape[0]):
@@ -260,7 +259,7 @@ def _held_back(s, q, seed, metric, g, before, fall, undone):
 def approach(packed, T, lower, upper, seed, metric, bounded, q):
     """Move q (n,), a posture of the pose T (4, 4), as near to the seed as its self-motion goes.
 
-    Limits hold where ``bounded``.  Returns the distance, infinite with q spoilt where that fails.
+    Limits are respected if ``bounded``.  Returns the distance, or infinity with invalid q.
     """
     n = q.shape[0]
     J = np.empty((6, n))
@@ -276,7 +275,7 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
         jacobian_body(packed, q, J, current)
         pose_difference(T, current, e)
         error = largest_error(e)
-        # Nothing is nearer than the seed itself, even where it is singular.
+        # Nothing is nearer than the seed itself, even if it is singular.
         there = iteration == 0 and distance_from(q, seed, metric) == 0.0
         if (settled or there) and error <= NEAREST_ERROR:
             if not bounded or _inside(q, lower, upper):

@@ -1,4 +1,4 @@
-"""Samples of a redundant arm's self-motion: all postures at one value of its parameter."""
+"""Samples of a redundant arm's self-motion: all postures at a value of its parameter."""
 
 import math
 
@@ -16,13 +16,13 @@ from robomech_ros._kernels.inverse.redundant.vectors import back, turned
 from robomech_ros._kernels.inverse.six_joints import DOUBT, GENERAL, MAX_SOLUTIONS, call_six_joints
 from robomech_ros._kernels.spatial.vectors import times
 
-# Typed, since numba compiles a function anew for a literal.
+# Typed, since numba recompiles a function for a literal.
 _FORWARDS = np.bool_(False)
 
 
 @lean
 def _between(front, T, back, out):
-    """front^-1 T back^-1."""
+    """Write front^-1 T back^-1 to out (4, 4)."""
     for i in range(3):
         a, b, c = front[0, i], front[1, i], front[2, i]
         x = a * T[0, 0] + b * T[1, 0] + c * T[2, 0]
@@ -38,10 +38,10 @@ def _between(front, T, back, out):
 
 @lean
 def _locked_body(data, T, seed, locked, q, branch):
-    """Write the postures at the pose T (4, 4) with given values of the joints outside the six.
+    """Write the postures for the pose T (4, 4) with fixed values of the joints outside the six.
 
-    ``locked`` (n,) holds the values, those of the six are not read; q is (16, n).  Returns how
-    many postures there are.
+    ``locked`` (n,) holds the values; those of the six joints are not read.  q is (16, n).  Returns
+    the number of postures.
     """
     n = int(data[at.JOINTS])
     first = int(data[at.FIRST])
@@ -60,7 +60,7 @@ def _locked_body(data, T, seed, locked, q, branch):
     exact = int(data[at.GENERAL])
     if total >= DOUBT and exact > 0:
         total = call_six_joints(GENERAL, _FORWARDS, data[exact:], target, start, found, branch)
-    # The list of a continuum is never complete, so a remaining doubt changes nothing.
+    # The list of a continuum is never complete, so a remaining doubt does not matter.
     count = total % DOUBT
     for k in range(count):
         for i in range(n):
@@ -75,16 +75,16 @@ def _locked_body(data, T, seed, locked, q, branch):
 
 @kernel(i8(IN1, IN2, IN1, IN1, OUT2, IOUT1))
 def locked_postures(data, T, seed, locked, q, branch):
-    """Do for Python what :func:`_locked_body` does: postures with some joints locked."""
+    """Write the postures with some joints locked, as :func:`_locked_body`, for Python."""
     return _locked_body(data, T, seed, locked, q, branch)
 
 
 @lean
 def choose(data, lower, upper, seed, k, steps, locked):
-    """Write the k-th of some values of the locked joints; return how far they are from the seed.
+    """Write the k-th values of the locked joints; return their distance from the seed.
 
-    The first is the seed's.  One joint takes the others in order of their distance from there;
-    several follow a sequence that fills the box of their limits evenly.
+    The first are the seed's.  A single joint takes further values in order of their distance from
+    the seed; several follow a low-discrepancy sequence in the box of their limits.
     """
     n = int(data[at.JOINTS])
     first = int(data[at.FIRST])
@@ -115,9 +115,9 @@ def choose(data, lower, upper, seed, k, steps, locked):
 
 @lean
 def stretched(data, T):
-    """Return the locked joint's value with shoulder and wrist nearest, NaN if unknown.
+    """Return the value of the locked joint with shoulder and wrist nearest, NaN if unknown.
 
-    Half a turn from there they are farthest from each other.
+    Half a turn from it they are farthest from each other.
     """
     if data[at.STRETCHED] == 0.0:
         return math.nan
@@ -141,9 +141,9 @@ def stretched(data, T):
 
 @lean
 def sample(data, T, seed, angle, locked, turn, postures):
-    """Write the postures of one sample and their names.
+    """Write the postures of one sample and their names; return their number.
 
-    ``angle`` is the arm angle of the seed, from which the sample is a ``turn`` (rad) away.
+    ``angle`` is the arm angle of the seed, and ``turn`` (rad) that of the sample from it.
     """
     q, branch = postures
     if data[at.KIND] == at.ARM_ANGLE:

@@ -1,4 +1,4 @@
-"""The least distance from a seed along a self-motion of seven joints, settled exactly."""
+"""Exact minimum of the distance from a seed along a self-motion of seven joints."""
 
 import math
 
@@ -15,31 +15,30 @@ from robomech_ros._kernels.inverse.redundant.nearest import (
 )
 from robomech_ros._kernels.tolerances import AT_LIMIT
 
-# No step begins where the error of the pose (rad, m) is larger than this.
+# Largest error of the pose (rad, m) at the start of a step.
 TRACE_ERROR = 0.3
-# Steps towards a least distance: the first, the longest, by how much they grow, the shortest one in
-# which the least lies (rad or m), and how many there are at most.  A part of one is no smaller than
-# the edge.
+# Steps towards a minimum: the first, the longest, their growth, the shortest interval around the
+# minimum (rad or m), and their largest number.  EDGE is the smallest fraction cut off an interval.
 SETTLE_STEP = 0.01
 SETTLE_MOST = 0.1
 SETTLE_GROWTH = 2.0
 SETTLE_SHORTEST = 1e-8
 SETTLE_STEPS = 40
 SETTLE_EDGE = 1e-3
-# A posture is on the self-motion when its error (rad, m) was less than this before the last
-# correction, of so many at most; so many at most bring the nearest one onto its pose.
+# A posture is on the self-motion if its error (rad, m) was less than this before the last of at
+# most CORRECTIONS corrections.  At most FINISH_STEPS move the nearest posture onto its pose.
 SETTLE_ERROR = 1e-5
 SETTLE_CORRECTIONS = 10
 FINISH_STEPS = 10
-# Added to how far a posture is beyond limits: more than any distance.
+# Added to the distance of a posture beyond its limits: more than any distance from the seed.
 OUTSIDE = 1e6
 
 
 @lean
 def step_onto(packed, T, way, bench, g, q):
-    """Correct the pose of q (7,) once and turn g (7,) into the direction of the self-motion.
+    """Correct the pose of q (7,) once and project g (7,) onto the self-motion.
 
-    Returns the error that there was, infinite where the pose is lost.
+    Returns the error before the correction, infinite on failure.
     """
     J, current, e, y, A, none = bench
     jacobian_body(packed, q, J, current)
@@ -67,10 +66,10 @@ def copy(source, target):
 
 @lean
 def _measured(request, q, g):
-    """Return what is to be small at a posture q (7,), and how fast it grows along g (7,).
+    """Return the objective at a posture q (7,), its slope along g (7,), and the joint it uses.
 
-    That is the distance from the seed or, beyond a limit, OUTSIDE and how far it is beyond.  Also
-    returns by which joint both are measured, -1 by all.
+    The objective is the distance from the seed or, beyond a limit, OUTSIDE plus the excess.  The
+    joint is -1 if all count.
     """
     _, lower, upper, seed, metric, bounded = request
     most, joint, sense = AT_LIMIT, -1, 0.0
@@ -97,7 +96,7 @@ def _measured(request, q, g):
 
 @lean
 def put_on(packed, T, bench, g, q):
-    """Put q (7,) on the self-motion; g (7,) is its direction then.  False where that fails."""
+    """Correct q (7,) to the self-motion, and g (7,) to its direction; return False on failure."""
     for _ in range(SETTLE_CORRECTIONS):
         error = step_onto(packed, T, 1.0, bench, g, q)
         if error < SETTLE_ERROR:
@@ -114,7 +113,7 @@ def _part_between(first, last, length):
     other, rise, another = last
     part = 0.5
     if other >= OUTSIDE > value and rise > 0.0:
-        # The limit itself.
+        # The minimum is on the limit.
         part = 1.0 - (other - OUTSIDE) / (rise * length)
     elif value >= OUTSIDE > other and slope < 0.0:
         part = (OUTSIDE - value) / (slope * length)
@@ -127,10 +126,10 @@ def _part_between(first, last, length):
 
 @lean
 def settle(packed, T, request, bench, g, q):
-    """Go down from q (7,) to the next least distance; return that, infinite where there is none.
+    """Move q (7,) to the next minimum of the distance; return the distance, infinite if none.
 
-    Steps down lead to one after which it goes up; what is between them is divided where lines
-    through both ends meet, or by Newton's rule where one joint counts, or all.
+    Downhill steps bracket the minimum.  The bracket is then cut where the tangents at both ends
+    intersect or, if the same joint or all count at both ends, where the slope is zero.
     """
     _, lower, upper, seed, metric, _ = request
     a, b, ga, gb = scratch(7), scratch(7), scratch(7), scratch(7)
@@ -189,7 +188,7 @@ def settle(packed, T, request, bench, g, q):
         error = step_onto(packed, T, 1.0, bench, g, q)
         value, slope, _ = _measured(request, q, g)
         if value >= OUTSIDE and abs(slope) > SETTLE_EDGE:
-            # Rounding has moved it off the limit.
+            # Rounding has moved the posture off the limit.
             for i in range(7):
                 q[i] -= (value - OUTSIDE) / slope * g[i]
         elif error <= NEAREST_ERROR:

@@ -1,4 +1,4 @@
-"""Redundant arms: a closed form for each value of a parameter, samples of it ranked."""
+"""Solutions of redundant arms: ranked samples of a parameter, each solved in closed form."""
 
 import math
 
@@ -25,40 +25,40 @@ from robomech_ros._kernels.inverse.redundant.tracing import TRACES, small_distan
 from robomech_ros._kernels.inverse.six_joints import GENERAL, ITERATIVE, MAX_SOLUTIONS
 from robomech_ros._kernels.tolerances import AT_LIMIT
 
-# How many times finer the redundancy parameter is sampled where no sample gives a solution inside
-# the limits.
+# Factor of the number of samples of the redundancy parameter if none has a solution inside the
+# limits.
 FINER_SAMPLES = 4
-# Samples that are kept, the nearest, as starts.
+# Largest number of samples stored as starts, the nearest.
 STARTS = 256
 # With more than seven joints, this many of the nearest samples are moved along their self-motion,
 # if they are within this distance (rad or m) of the first: about the spacing of samples.
 APPROACHED = 3
 APPROACHED_WITHIN = 0.8
-# If steps from the seed come no nearer than FROM (rad or m), others begin near it, with some
-# joints away by this part of the distance, of MOST at most; the last two only where none is nearer.
+# If steps from the seed end farther than FROM (rad or m), others start near it, with some joints
+# displaced by the factor BY of the distance, at most MOST; the last two only if none is nearer.
 BESIDE = 4
 BESIDE_FROM = 0.1
 BESIDE_BY = 0.9
 BESIDE_MOST = 0.6
-# Steps from so many postures, spread evenly over a box around the seed, find the branches of seven
-# joints where the locked one hardly moves.
+# Number of starts in a box around the seed that find the branches of seven joints along which the
+# locked joint hardly moves.
 SCATTERED = 24
-# So many samples of a locked joint, at least, are within the distance of the nearest posture known.
+# Least number of samples of a locked joint within the distance of the nearest known posture.
 WITHIN = 3
 # Least number of samples if the six joints have a quick closed form.
 FAR_SAMPLES = 48
 
 NONE_EXISTS = -1
 _NAME = np.int64(bit.SELF_MOTION | bit.UNNAMED)
-# In place of a name: a posture of an arm that is idealised, which is a start and no more.
+# Name of a posture that is only a start, such as one of an idealised arm.
 INEXACT = np.int64(-1)
 
 
 @lean
 def _approach_from_seed(packed, T, request, beside, q):
-    """Write to q (n,) the nearest posture found by steps from the seed and near it.
+    """Write the nearest posture found by steps from the seed and from starts near it to q (n,).
 
-    ``beside`` (n,) is working space.  Returns the distance, infinite where they lead to none.
+    ``beside`` (n,) is working space.  Returns the distance, infinite if none is found.
     """
     _, lower, upper, seed, metric, bounded = request
     n = seed.shape[0]
@@ -68,7 +68,7 @@ def _approach_from_seed(packed, T, request, beside, q):
     for k in range(BESIDE if n > 7 else 0):
         if distance <= (BESIDE_FROM if k < 2 else BESIDE_MOST):
             break
-        # First two joints to one side and to the other, then all of them.
+        # First move two joints to one side and to the other, then all of them.
         away = BESIDE_BY * min(distance, BESIDE_MOST) * (1.0 if k % 2 == 0 else -1.0)
         for i in range(n):
             side = 0.0 if k < 2 and i != 0 and i != 2 else away
@@ -85,7 +85,7 @@ def _approach_from_seed(packed, T, request, beside, q):
 
 @lean
 def _is_inside(request, q):
-    """Return whether a posture keeps the limits that hold."""
+    """Return whether a posture is inside the limits of the request."""
     _, lower, upper, _, _, _ = request
     for i in range(q.shape[0]):
         if not lower[i] - AT_LIMIT <= q[i] <= upper[i] + AT_LIMIT:
@@ -95,9 +95,9 @@ def _is_inside(request, q):
 
 @lean
 def _enter(request, q, name, count, starts):
-    """Put a posture among the starts, in the winding nearest to the seed.
+    """Add a posture to the starts, in the winding nearest to the seed.
 
-    Returns how many there are, and its distance from the seed, infinite outside the limits.
+    Returns the number of starts, and its distance from the seed, infinite outside the limits.
     """
     turns, lower, upper, seed, metric, _ = request
     place(turns, lower, upper, seed, False, q, q)
@@ -108,11 +108,11 @@ def _enter(request, q, name, count, starts):
 
 @lean
 def _take_samples(data, T, request, nearest, steps, bench, distance, starts):
-    """Enter the postures of samples among the ``starts``, in the windings nearest to the seed.
+    """Add the postures of samples to the ``starts``, in the windings nearest to the seed.
 
-    If only the ``nearest`` is requested, samples are left out that are farther from the seed
-    than the nearest posture known.  Returns how many starts there are, and the least distance of
-    one inside the limits.
+    If only the ``nearest`` is requested, samples farther from the seed than the nearest known
+    posture are skipped.  Returns the number of starts, and the least distance of one inside the
+    limits.
     """
     turns, lower, upper, seed, metric, _ = request
     q, branch, locked, best, _ = bench
@@ -123,8 +123,8 @@ def _take_samples(data, T, request, nearest, steps, bench, distance, starts):
         return _take_angles(data, T, request, nearest, steps, bench, distance, starts, count)
     within, beyond = distance if nearest else math.inf, 0.0
     if nearest and not distance < small_distance(metric):
-        # A few samples within the distance to either side, and one beyond: a branch may begin
-        # between both.
+        # Take a few samples within the distance to either side, and one beyond: a branch may start
+        # between them.
         if known:
             steps = max(steps, int(WITHIN * 2.0 * math.pi / distance) + 1)
         if seed.shape[0] == 7 and data[at.SIX] != GENERAL and data[at.SIX] != ITERATIVE:
@@ -150,9 +150,9 @@ def _take_samples(data, T, request, nearest, steps, bench, distance, starts):
 
 @lean
 def _take_angles(data, T, request, nearest, steps, bench, distance, starts, count):
-    """Enter the postures of samples of the arm angle among the ``starts``.
+    """Add the postures of samples of the arm angle to the ``starts``.
 
-    Those of an idealised arm are marked.  Returns how many starts there are, and the least distance
+    Postures of an idealised arm are INEXACT.  Returns the number of starts, and the least distance
     of one inside the limits.
     """
     _, _, _, seed, metric, _ = request
@@ -183,10 +183,10 @@ def _needs_scatter(data, metric, known):
 
 @lean
 def _scatter(packed, T, request, bench, distance, count, starts):
-    """Enter postures among the ``starts`` that steps from a box around the seed lead to.
+    """Add postures reached from a box around the seed to the ``starts``.
 
-    Half the width of the box is the ``distance`` of the nearest known posture.  Returns how many
-    starts there are, and the least distance of one inside the limits.
+    Half the width of the box is the ``distance`` of the nearest known posture.  Returns the number
+    of starts, and the least distance of one inside the limits.
     """
     _, lower, upper, seed, metric, bounded = request
     q, _, _, _, _ = bench
@@ -208,7 +208,7 @@ def _scatter(packed, T, request, bench, distance, count, starts):
 
 @inline
 def _approach_first(packed, T, request, count, ranked):
-    """Move the first few solutions along their self-motion; return how many there are then."""
+    """Move the first few solutions along their self-motion; return the number of solutions."""
     turns, lower, upper, seed, metric, bounded = request
     rows, names, distances = ranked
     n = seed.shape[0]
@@ -231,11 +231,10 @@ def _approach_first(packed, T, request, count, ranked):
 def _solve_pose(data, T, request, nearest, traced, joints, bench, starts, ranked):
     """Rank the nearest posture and those of all samples.
 
-    Returns how many are inside the limits, and how many exist.  If only the nearest is asked
-    for, samples that are farther from the seed than it are left out.  Self-motions are followed
-    where ``traced``; of more than seven joints the first few samples are moved along them.
-    ``joints`` is as :func:`.trace_nearest` has it, and ``bench`` has where they may be, and working
-    space.
+    Returns the number inside the limits and the number of all.  If only the ``nearest`` is
+    requested, samples farther from the seed are skipped.  Self-motions are followed if ``traced``;
+    with more than seven joints the first few samples are moved along them.  ``joints`` is that of
+    :func:`.trace_nearest`, ``bench`` is working space.
     """
     turns, lower, upper, seed, metric, bounded = request
     _, _, locked, best, traces = bench
@@ -245,7 +244,7 @@ def _solve_pose(data, T, request, nearest, traced, joints, bench, starts, ranked
     if distance < math.inf and place(turns, lower, upper, seed, bounded, best, best):
         distance = distance_from(best, seed, metric)
     else:
-        # Steps that fail leave no valid posture behind.
+        # Steps that fail leave an invalid posture.
         for i in range(n):
             best[i] = math.inf
     steps = int(data[at.SAMPLES])
@@ -292,13 +291,12 @@ def _solve_pose(data, T, request, nearest, traced, joints, bench, starts, ranked
 def solve_redundant(arm, T, seed, asked, ranked, names, distances, counts):
     """Solve the poses T (m, 4, 4) one after another, for samples of the redundancy parameter.
 
-    ``arm`` is as :func:`.inverse.solutions.solve` has it.  ``asked`` are the metric, whether limits
-    hold, whether only the nearest is asked for (samples farther than the first are left out then),
-    and whether self-motions of seven joints are traced.  The solutions go to ``ranked``
-    (m, room, n), nearest to the seed first and NaN after the last; where self-motions are traced
-    the first is the nearest of them all.  ``counts`` (m,) gets their
-    number, or NONE_EXISTS where no sample has a posture even outside the limits.  ``names`` and
-    ``distances`` (room,) are those of the last pose.  Returns 0.
+    ``arm`` is that of :func:`.inverse.solutions.solve`.  ``asked`` are the metric, whether limits
+    are respected, whether only the nearest is requested (farther samples are then skipped), and
+    whether self-motions of seven joints are traced.  The solutions go to ``ranked`` (m, room, n),
+    nearest to the seed first and NaN after the last; with tracing the first is the nearest of the
+    self-motions.  ``counts`` (m,) gets their number, or NONE_EXISTS if no sample has a posture even
+    outside the limits.  ``names`` and ``distances`` (room,) are those of the last pose.  Returns 0.
     """
     metric, bounded, nearest = asked[0], asked[1] != 0, asked[2] != 0
     n = seed.shape[0]

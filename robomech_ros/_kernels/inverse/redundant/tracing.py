@@ -1,8 +1,8 @@
-"""Self-motions of seven joints traced from many postures, for the one nearest to a seed.
+"""Tracing of self-motions of seven joints from many postures, for the one nearest to a seed.
 
-From each start the curve is followed both ways by steps of the joints, over postures that are
-farther from the seed than the nearest known one, up to BEYOND times.  Between two steps it is a
-cubic to some 1e-3 rad; wherever that comes near enough, the least distance is settled exactly.
+From each start the curve is followed in both directions by steps of the joints, up to BEYOND times
+the distance of the nearest known posture from the seed.  Between two steps it is a cubic to about
+1e-3 rad; minima of the distance that are small enough are computed exactly.
 """
 
 import math
@@ -27,29 +27,28 @@ from robomech_ros._kernels.inverse.redundant.settling import (
     step_onto,
 )
 
-# How many times farther from the seed than the nearest posture known starts and traces may be.
+# Largest distance of starts and traces from the seed, over that of the nearest known posture.
 BEYOND = 4.0
-# From a posture that is nearer than this (rad or m), in one joint or the root of squares, no trace
-# begins.
+# No trace starts if a known posture is nearer than this (rad or m): largest joint, Euclidean norm.
 SMALL, SMALL_ROOT = 0.125, 0.25
-# Length of a step (of the joint that moves most, rad or m), the shortest, and how many there are to
-# each side at most.  A step is shortened where the direction turns by more than TRACE_BENT.
+# Length of a step (of the joint that moves most, rad or m), the shortest, and their largest number
+# on each side.  A step is shortened if the direction turns by more than TRACE_BENT.
 TRACE_STEP = 0.25
 TRACE_SHORTEST = 1e-3
 TRACE_STEPS = 500
 TRACE_BENT = 0.3
-# Steps that are kept, to see where a curve has been followed already: within so much (rad or m).
-# Whether it closes is seen by those on the first CLOSING of it, at twice that and beyond.
+# Largest number of stored steps.  A posture within NEAR of them (rad or m) is on a traced curve.
+# A curve is closed if it returns to its first CLOSING after at least twice that.
 TRACES = 2048
 TRACE_NEAR = 0.02
-# A posture nearer than TRACE_ON is on it for sure.  Near singular postures two branches may run
-# side by side; their distance exceeds APART times the least singular value.
+# A posture within TRACE_ON is certainly on the curve.  Near singular postures two branches may be
+# close; their distance exceeds APART times the smallest singular value.
 TRACE_ON = 2e-4
 APART = 4.0
 CLOSING = 0.5
-# A step is divided in so many parts that count as straight.  The curve may be nearer than these by
-# OFF, they may be beyond limits by OUTSIDE, and what is within AGAIN of the nearest posture known
-# leads there (rad or m).  The curve is no longer than so many times its chord.
+# A step is divided into PARTS straight parts.  The curve may be nearer than these by OFF, and they
+# may be beyond limits by OUTSIDE; a posture within AGAIN of the nearest known one leads to it (rad
+# or m).  The curve is at most CHORD times as long as its chord.
 TRACE_PARTS = 8
 TRACE_OFF = 5e-3
 TRACE_OUTSIDE = 2e-3
@@ -57,19 +56,19 @@ TRACE_AGAIN = 3e-3
 CHORD = 1.3
 # Largest number of queued starts at crossings.
 QUEUED = 64
-# A posture counts as settled where lines lead no nearer than by this (rad or m).
+# A posture is a minimum if the tangent leads nearer by less than this (rad or m).
 NEARER_BY = 1e-7
 
 
 @lean
 def small_distance(metric):
-    """Distance from the seed (rad or m) below which a posture's self-motion is nearly a line."""
+    """Return the distance from the seed (rad or m) below which a self-motion is nearly a line."""
     return SMALL if metric == LINF else SMALL_ROOT
 
 
 @lean
 def _on_cubic(ends, length, s, q):
-    """Write the posture (7,) at a part s of the cubic between two postures.
+    """Write the posture (7,) at the fraction s of the cubic between two postures.
 
     ``ends`` (4, 7) holds the first posture, the direction there, and those of the second.
     """
@@ -81,7 +80,7 @@ def _on_cubic(ends, length, s, q):
 
 @lean
 def _reach(ends):
-    """Largest move of a joint between two postures."""
+    """Return the largest move of a joint between two postures."""
     length = 0.0
     for i in range(7):
         length = max(length, abs(ends[2, i] - ends[0, i]))
@@ -90,7 +89,7 @@ def _reach(ends):
 
 @lean
 def _least_between(request, p, move):
-    """Return the part of a ``move`` (7,) from p (7,) to the nearest point, NaN if outside."""
+    """Return the fraction of a ``move`` (7,) from p (7,) to its nearest point, NaN if outside."""
     _, lower, upper, seed, metric, bounded = request
     low, high = 0.0, 1.0
     for i in range(7):
@@ -114,9 +113,9 @@ def _least_between(request, p, move):
 
 @lean
 def _nearest_in_parts(request, ends, least, found):
-    """Write the nearest posture in each part of a step to ``found`` (parts, 7), and its distance.
+    """Write the nearest posture in each part of a step to ``found`` (parts, 7).
 
-    The distances (parts,) go to ``least``; they are infinite where the part is outside the limits.
+    Their distances go to ``least`` (parts,), infinite for parts outside the limits.
     """
     _, _, _, seed, metric, _ = request
     p, move, here = scratch(7), scratch(7), scratch(7)
@@ -166,9 +165,9 @@ def _off_known(known, count, q):
 
 @lean
 def _settled(packed, T, request, bench, found, g, distance, best):
-    """Settle ``found`` (7,), where the self-motion goes along g (7,), and keep it if it is nearer.
+    """Settle ``found`` (7,), with self-motion along g (7,), and copy it to ``best`` if nearer.
 
-    Returns the least distance; the posture at that distance is ``best`` (7,) then.
+    Returns the least distance, that of ``best`` (7,).
     """
     along = scratch(7)
     copy(g, along)
@@ -180,7 +179,7 @@ def _settled(packed, T, request, bench, found, g, distance, best):
 
 @lean
 def _improve(packed, T, request, bench, q, g, distance, best):
-    """Settle a posture q (7,) that is as near as the ``best`` one, if it has not settled."""
+    """Settle a posture q (7,) that is as near as the ``best`` one unless it is a minimum."""
     _, _, _, seed, metric, _ = request
     found = scratch(7)
     s = best_step(request, q, g, SETTLE_STEP)
@@ -195,10 +194,10 @@ def _improve(packed, T, request, bench, q, g, distance, best):
 def _look_between(packed, T, request, bench, ends, distance, best):
     """Settle the postures between two that may be nearer than the ``best`` one (7,).
 
-    Returns the least distance; the posture at that distance is ``best`` then.
+    Returns the least distance, that of ``best``.
     """
     _, _, _, seed, metric, _ = request
-    # On the way it is nearer than both by half of its length at most.
+    # Between both ends the curve is nearer by half of its length at most.
     between = distance_from(ends[0], seed, metric) + distance_from(ends[2], seed, metric)
     if between - CHORD * distance_from(ends[0], ends[2], metric) > 2.0 * distance:
         return distance
@@ -218,10 +217,10 @@ def _look_between(packed, T, request, bench, ends, distance, best):
 
 @lean
 def _advance(packed, T, bench, ends, bent, length):
-    """Write the posture a step ahead and the direction there, as ``ends[2:]``.
+    """Write the posture a step ahead and the direction there to ``ends[2:]``.
 
-    ``bent`` (7,) is how the direction changes.  Returns the length of the step, shorter where the
-    curve bends sharply, zero where it is lost, and by how much the direction has turned.
+    ``bent`` (7,) is half the rate of change of the direction.  Returns the length of the step,
+    shorter if the curve bends sharply, zero on failure, and the change of the direction.
     """
     q, g = ends[2], ends[3]
     while True:
@@ -241,7 +240,7 @@ def _advance(packed, T, bench, ends, bent, length):
 
 @lean
 def _rewind(request, ends):
-    """Move both postures to the winding of the second one; False if they are in it."""
+    """Move both postures to the second one's nearest winding; return whether they moved."""
     turns, lower, upper, seed, _, _ = request
     wound, moved = scratch(7), False
     place(turns, lower, upper, seed, False, ends[2], wound)
@@ -256,10 +255,10 @@ def _rewind(request, ends):
 
 @flat
 def _begin_trace(packed, T, bench, start, known, count, begin, ahead, push, weak):
-    """Put ``start`` (7,) on the pose, and return the least singular value there.
+    """Correct ``start`` (7,) to the pose; return the smallest singular value there.
 
     Writes that posture, the direction of its self-motion, the motion of the tip ``push`` (6,) and
-    the ``weak`` direction (7,).  Returns a negative number if it is lost or on a ``known`` step.
+    the ``weak`` direction (7,).  Returns a negative number on failure or on a ``known`` step.
     """
     copy(start, begin)
     for i in range(7):
@@ -284,10 +283,10 @@ def _write_line(ends, q, g):
 
 @flat
 def _trace_side(packed, T, request, bench, origin, size, traced, known, distance, best, queue):
-    """Trace one way from an ``origin``: posture, direction, weakest one and motion of the tip.
+    """Trace one side of an ``origin``: posture, direction, weakest one and motion of the tip.
 
-    ``size`` is the least singular value there.  ``traced`` are the first step of this curve, how
-    many of its steps are near its beginning, and how many steps are known and starts queued.
+    ``size`` is the smallest singular value there.  ``traced`` are the index of this curve's first
+    step, and the numbers of its steps near its start, of known steps and of queued starts.
     Returns the last three, the least distance, and whether the curve has closed.
     """
     _, _, _, seed, metric, _ = request
@@ -344,10 +343,10 @@ def _trace_side(packed, T, request, bench, origin, size, traced, known, distance
 
 @lean
 def _trace_from(packed, T, request, bench, start, known, count, distance, best, queue, queued):
-    """Trace both ways from ``start`` (7,), and queue starts beside crossings.
+    """Trace both sides of ``start`` (7,), and queue starts around crossings.
 
-    Returns how many steps are known, the least distance, and how many starts are queued.  The
-    posture at that distance is ``best`` (7,) then.
+    Returns the number of known steps, the least distance, that of ``best`` (7,), and the number of
+    queued starts.
     """
     _, _, _, seed, metric, _ = request
     begin, ahead, weak_begin, push = scratch(7), scratch(7), scratch(7), scratch(6)
@@ -357,7 +356,7 @@ def _trace_from(packed, T, request, bench, start, known, count, distance, best, 
     if distance_from(start, seed, metric) <= distance:
         distance = _improve(packed, T, request, bench, begin, ahead, distance, best)
         if distance < small_distance(metric):
-            # So near it is a line, and another branch is not as near.
+            # So near the seed it is a line, and no other branch is as near.
             _write_line(known[count], begin, ahead)
             return count + 1, distance, queued
     if size < CROSSING:
@@ -380,13 +379,12 @@ def _trace_from(packed, T, request, bench, start, known, count, distance, best, 
 
 @part(f8(IN2, IN2, IN2, i8, b1, IN2, IN1, f8, OUT1, OUT2))
 def trace_nearest(packed, T, joints, metric, bounded, starts, away, distance, best, known):
-    """Find the posture nearest to a seed on the self-motions through some postures.
+    """Find the posture nearest to a seed on the self-motions through the ``starts`` (m, 7).
 
-    ``joints`` (4, 7) holds whether joints turn, lower and upper limits, which hold where
-    ``bounded``, and the seed.  The ``starts`` (m, 7) are ``away`` (m,) from it, nearest first.
-    The nearest posture known is ``best`` (7,), at a ``distance``, infinite where there is none; the
-    nearest of all is in ``best`` then.  Returns its distance.  ``known`` (TRACES, 28) is working
-    space.
+    ``joints`` (4, 7) holds whether joints turn, lower and upper limits (ignored unless
+    ``bounded``), and the seed.  The starts are at the distances ``away`` (m,), nearest first.  The
+    nearest known posture ``best`` (7,) is at ``distance``, infinite if none is known.  The nearest
+    of all replaces it, and its distance is returned.  ``known`` (TRACES, 28) is working space.
     """
     request = joints[0], joints[1], joints[2], joints[3], metric, bounded
     J, current, e, y, A = scratch(6, 7), scratch(4, 4), scratch(6), scratch(6), scratch(6, 6)

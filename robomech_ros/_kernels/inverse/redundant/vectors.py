@@ -1,11 +1,11 @@
-"""Rotations of the constant transforms of a packed chain, times vectors."""
+"""Products of vectors and the rotations of a packed chain's constant transforms."""
 
 from robomech_ros._kernels.compiling.jit import inline
 
 
 @inline
 def turned(packed, row, v):
-    """Rotation of the constant transform ``row``, times v."""
+    """Return v rotated by the constant transform ``row``."""
     return (
         packed[row, 1] * v[0] + packed[row, 2] * v[1] + packed[row, 3] * v[2],
         packed[row, 4] * v[0] + packed[row, 5] * v[1] + packed[row, 6] * v[2],
@@ -15,7 +15,7 @@ def turned(packed, row, v):
 
 @inline
 def back(packed, row, v):
-    """Rotation of the constant transform ``row``, transposed, times v."""
+    """Return v rotated by the inverse of the constant transform ``row``."""
     return (
         packed[row, 1] * v[0] + packed[row, 4] * v[1] + packed[row, 7] * v[2],
         packed[row, 2] * v[0] + packed[row, 5] * v[1] + packed[row, 8] * v[2],
