@@ -1,1 +1,1 @@
-"""Damped Newton steps from many starts, for chains that no other family takes."""
+"""Damped Newton steps from many starts, for chains of no other family."""

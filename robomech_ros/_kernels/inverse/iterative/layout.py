@@ -4,24 +4,24 @@ JOINTS = 0  # n
 UNIT = 1  # weight of the squared position error against the squared angle (1/m^2)
 POSITION_TOLERANCE = 2  # m
 ORIENTATION_TOLERANCE = 3  # rad
-ITERATIONS = 4  # steps of one attempt at most
+ITERATIONS = 4  # largest number of steps of one attempt
 RESTARTS = 5  # attempts of one call of solve_iterative
-WANTED = 6  # most solutions
-PATIENCE = 7  # attempts in a row without a new solution after which to stop, once there is one
+WANTED = 6  # largest number of solutions
+PATIENCE = 7  # with a solution, attempts in a row without a new one after which the search stops
 APART = 8  # least distance (rad or m, largest over the joints) of two solutions
-STALL = 9  # an attempt ends when six steps leave more than this part of the squared error
+STALL = 9  # an attempt ends when six steps leave more than this fraction of the squared error
 WEIGHTS = 10  # six of 0 or 1: rotation about x y z, position x y z of the base
-OPEN = 16  # arm length (m) beyond which a target is far, infinite where no slide is without limits
-SHARP_APART = 17  # as APART, of two solutions that hold to the default tolerances
+OPEN = 16  # arm length (m) beyond which a target is far; infinite if every slide has limits
+SHARP_APART = 17  # the same for two solutions within the default tolerances
 WIDTH = 18  # numbers in a row of the packed chain
-ROWS = 19  # from here n numbers each: lower, upper, start, width, stride, turns
+ROWS = 19  # start of rows of n numbers: lower, upper, start, width, stride, turns
 # lower and upper bound the search; starts lie in [start, start + width], advanced by the
 # stride, a fraction of the width; turns is 1 for a joint whose angle may be wrapped.
 N_ROWS = 6  # then the packed chain, a row for each joint and one more
 
-# Indices of the numbers that one search hands on to its continuation.
+# Indices of the numbers that a search passes to its continuation.
 IDLE = 0  # attempts since the last new solution
 BEST_SCORE = 1  # least error so far, in units of the tolerances
 BEST_POSITION = 2  # its position error (m) and orientation error (rad)
 BEST_ORIENTATION = 3
-BEST_Q = 4  # and its n joint values; then, of each solution, whether it is sharp (1) or loose (0)
+BEST_Q = 4  # its n joint values; then for each solution 1 if sharp, 0 if loose

@@ -1,4 +1,4 @@
-"""Iterative inverse kinematics: restarts inside the limits, distinct solutions collected."""
+"""Iterative inverse kinematics: restarts inside the limits that collect distinct solutions."""
 
 import math
 
@@ -21,9 +21,9 @@ NOT_NEW = -1
 
 @inline
 def _stretch(data, packed, weights, T):
-    """Return the distance of a target for slides without limits, over the length of the arm.
+    """Return the distance of the target over the length of the arm, at least 1.
 
-    It is 1 where the target is nearer, or no slide is without limits.
+    It is 1 if every slide has limits.
     """
     square = 0.0
     for k in range(3):
@@ -34,9 +34,10 @@ def _stretch(data, packed, weights, T):
 
 @inline
 def _start(seed, number, rows, stretch, q):
-    """Write the start of an attempt: the seed first, then a sequence that fills the box evenly.
+    """Write the start of an attempt: the seed first, then a low-discrepancy sequence in the box.
 
-    The box of a slide without limits, or with one, is stretched away from that limit.
+    The range of a slide with one limit is stretched away from it, that of one without in both
+    directions.
     """
     n = q.shape[0]
     for i in range(n):
@@ -57,7 +58,7 @@ def _start(seed, number, rows, stretch, q):
 
 @inline
 def _wrap(rows, q):
-    """Bring the angles of turning joints into (-pi, pi]."""
+    """Wrap the angles of turning joints into (-pi, pi]."""
     for i in range(q.shape[0]):
         if rows[5, i] != 0.0:
             angle = q[i] - 2.0 * math.pi * math.floor(q[i] / (2.0 * math.pi) + 0.5)
@@ -66,7 +67,7 @@ def _wrap(rows, q):
 
 @inline
 def _distance(rows, p, q):
-    """Largest difference of two postures, angles modulo a turn."""
+    """Return the largest difference of two postures, angles modulo a turn."""
     largest = 0.0
     for i in range(q.shape[0]):
         difference = abs(q[i] - p[i])
@@ -78,10 +79,10 @@ def _distance(rows, p, q):
 
 @inline
 def _entered(data, rows, q, sharp, solutions, marks, found):
-    """Enter q unless it is there already; return how many solutions there are then, or NOT_NEW.
+    """Enter q unless it is listed; return the number of solutions, or NOT_NEW.
 
-    Loose tolerances admit a whole neighbourhood of a posture; one of it is enough, and the sharp
-    one the best.  Two sharp ones are two solutions, however near to each other.
+    Loose tolerances admit a whole neighbourhood of a posture, of which one solution is entered,
+    preferably a sharp one.  Two sharp ones are different solutions at a smaller distance.
     """
     for k in range(found):
         both = sharp and marks[k] != 0.0
@@ -104,7 +105,7 @@ def _entered(data, rows, q, sharp, solutions, marks, found):
 
 @inline
 def _norms(e, weights):
-    """Return the position error (m) and the orientation error (rad) of the task's components."""
+    """Return the weighted position error (m) and orientation error (rad)."""
     angular = 0.0
     linear = 0.0
     for k in range(3):
@@ -118,9 +119,9 @@ def search(data, T, seed, first, restarts, q, found, state):
     """Make attempts ``first`` to ``first + restarts - 1`` at the pose T (4, 4).
 
     Attempt 0 starts from ``seed`` (n,), the others from a low-discrepancy sequence.  New
-    solutions are entered in q (MAX, n) after the ``found`` that are there; returns how many there
-    are then.  ``state`` (4 + n + MAX,) goes from call to call: start with zeros and an infinite
-    best score.
+    solutions are appended to the ``found`` ones in q (MAX, n).  Returns the number of solutions.
+    ``state`` (4 + n + MAX,) is passed from call to call: start with zeros and an infinite best
+    score.
     """
     n = int(data[at.JOINTS])
     rows = data[at.ROWS : at.ROWS + at.N_ROWS * n].reshape(at.N_ROWS, n)

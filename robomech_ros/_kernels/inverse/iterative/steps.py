@@ -11,25 +11,25 @@ from robomech_ros._kernels.compiling.jit import inline
 from robomech_ros._kernels.compiling.types import ZERO
 from robomech_ros._kernels.inverse.polishing import pose_difference
 
-# Damping at the start of an attempt, as a part of the squared error that is left: the step then
-# goes over from a short one down the gradient to Newton's as the error vanishes.
+# Damping at the start of an attempt, over the squared error: a short gradient step then becomes a
+# Newton step as the error vanishes.
 ATTEMPT_DAMPING = 0.1
-# and what it may sink to after successful steps; the factors of its changes are usual ones.
+# Least damping after successful steps.
 ATTEMPT_LEAST_DAMPING = 1e-4
 # Longest change of a joint (rad or m) in one step: linearisation fails beyond a radian.
 ATTEMPT_STEP = 1.0
-# Squared error at which an attempt ends: 1e-13 in rad and in units of half the arm's length ...
+# Squared error at which an attempt ends: 1e-13 in rad and in units of half the arm's length.
 CONVERGED = 1e-26
-# ... and of a far target, where that unit is long: rounding.
+# The same for a far target, for which that unit is long: rounding.
 CONVERGED_FAR = 1e-30
 
 
 @inline
 def _correct_for_partial_orientation(J, e, n):
-    """Turn the angular rows of J into the rates of the rotation vector itself.
+    """Convert the angular rows of J to rates of the rotation vector.
 
-    For a full orientation the factor changes nothing in the step; where a component of the
-    rotation vector is free and large, it matters.
+    This matters only if a component of the rotation vector is free and large; for a full
+    orientation the step is the same.
     """
     x, y, z = e[0], e[1], e[2]
     square = x * x + y * y + z * z
@@ -50,9 +50,9 @@ def _correct_for_partial_orientation(J, e, n):
 
 @inline
 def _bounded_step(H, g, q, lower, upper, damping, scales, n, A, step, free):
-    """Solve (H + damping D) step = g with q + step inside the limits; joints at one stay there.
+    """Solve (H + damping D) step = g with q + step inside the limits.
 
-    D is diagonal, with the squares of ``scales`` (n,).
+    D is diagonal, with the squares of ``scales`` (n,).  Joints at a limit do not leave it.
     """
     for i in range(n):
         free[i] = 1
@@ -105,8 +105,8 @@ def _bounded_step(H, g, q, lower, upper, damping, scales, n, A, step, free):
 class Space(NamedTuple):
     """Working space of an attempt.
 
-    The Jacobian J (6, n) with the pose (4, 4) and its error (6,), the normal equations H (n, n), a
-    part A (n + 1, n) of them, vectors (4, n), and which joints are free (n,).
+    The Jacobian J (6, n), the pose (4, 4) and its error (6,), the normal equations H (n, n), their
+    rows A (n + 1, n) for free joints, vectors (4, n), and 1 for free joints (n,).
     """
 
     J: Any
@@ -140,8 +140,8 @@ def _fill_normal_equations(J, e, weights, unit, n, H, g):
 def attempt(packed, T, q, lower, upper, weights, unit, stretch, iterations, stall, space):
     """Improve q (n,) in place inside the limits until it converges or stalls.
 
-    The angular weights are 0 or 1; the linear ones are scaled by ``unit`` (1/m^2).  A slide's
-    displacement counts ``stretch`` times less than an angle.  Returns the weighted error.
+    The angular weights are 0 or 1; the linear ones are scaled by ``unit`` (1/m^2).  The
+    displacement of a slide is divided by ``stretch``.  Returns the squared weighted error.
     """
     n = drive_count(packed)
     J, current, e, H, A, v, free = space
