@@ -1,4 +1,4 @@
-"""The cheapest move to each solution of a pose from those of the pose before."""
+"""Cheapest move to each solution of a pose from the solutions of the previous pose."""
 
 import math
 
@@ -10,15 +10,15 @@ from robomech_ros._kernels.chain.layout import TURN
 from robomech_ros._kernels.compiling.jit import kernel, lean
 from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT1
 
-# Cost of a jump: more than that of any moves.
+# Cost of a jump: more than any sum of moves without a jump.
 _JUMP = 1e6
 
 
 @lean
 def _cost_of(packed, before, after, largest, least):
-    """Cost of a move, turns of joints taken as none; where it exceeds ``least``, any cost above it.
+    """Return the cost of a move, angles modulo a turn, or any cost above ``least``.
 
-    It is the sum of squares, and that of a jump where a joint moves more than ``largest``.
+    It is the sum of squares, plus the cost of a jump if a joint moves more than ``largest``.
     """
     squares = 0.0
     jump = 0.0
@@ -38,9 +38,9 @@ def _cost_of(packed, before, after, largest, least):
 def cheapest_moves(packed, costs, before, after, largest, totals, came):
     """Find the best predecessor of every solution.
 
-    ``costs`` (k,) are those of the ways to the solutions ``before`` (k, n), ``totals`` (l,)
-    receives those of the ways to ``after`` (l, n), and ``came`` (l,) the first predecessor that
-    gives them.  ``largest`` (n,) are the moves (rad, m) that are no jumps yet.
+    ``costs`` (k,) are those of the paths to the solutions ``before`` (k, n).  ``totals`` (l,)
+    receives the costs of the paths to ``after`` (l, n), and ``predecessors`` (l,) the first best
+    predecessor.  ``largest`` (n,) are the largest moves (rad, m) that are not jumps.
     """
     for k in range(after.shape[0]):
         least = math.inf

@@ -1,4 +1,4 @@
-"""Choice of the posture that stands for a continuum, where limits matter."""
+"""Choice of a posture inside the limits that represents a continuum."""
 
 import math
 
@@ -14,9 +14,9 @@ _TURNS = 8
 def settle_wrist(opposed, lower, upper, seed, q):
     """Turn a spherical wrist whose axes 4 and 6 are parallel into the limits of both joints.
 
-    Joint 4 gets the value nearest to the seed with which joint 6, which makes up for it, keeps
-    its limits; where there is none, q (6,) stays.  ``opposed`` tells that the axes point in
-    opposite directions, so that the difference of the two angles is what counts, not the sum.
+    Joint 4 gets the value nearest to the seed for which joint 6, which compensates it, is inside
+    its limits; without such a value, q (6,) is unchanged.  If ``opposed``, the axes point in
+    opposite directions, and the difference of the two angles is constant instead of the sum.
     """
     if opposed:
         total = q[3] - q[5]
@@ -45,7 +45,7 @@ def settle_wrist(opposed, lower, upper, seed, q):
 def free_value(lower, upper, seed, k, steps):
     """Return the k-th value, k = 1 .. steps, of a joint's range in order of distance from the seed.
 
-    An open range is taken as one turn; beyond one end the values go on at the other.
+    A range without limits counts as one turn; values beyond one end continue from the other.
     """
     low = lower if lower > -math.inf else (upper - _TURN if upper < math.inf else seed - math.pi)
     high = upper if upper < math.inf else low + _TURN

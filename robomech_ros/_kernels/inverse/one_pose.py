@@ -1,7 +1,7 @@
-"""One pose in one call from Python: checked, solved and ranked.
+"""Kernel that checks and solves one pose and ranks its solutions in one call from Python.
 
-For Python to make a few arrays takes as long as to solve an arm, so that here is one for all, and
-:func:`clean_poses` is not called by itself.
+Python takes as long to allocate a few arrays as a kernel to solve an arm, so one array serves all
+results, and the pose is checked in the same call.
 """
 
 from numba import types
@@ -19,13 +19,13 @@ from robomech_ros._kernels.inverse.poses import clean_pose
 from robomech_ros._kernels.inverse.solutions import BRANCH, MARKS, MAX_SOLUTIONS, NAMES, solve
 from robomech_ros._kernels.tolerances import ROTATION_ERROR
 
-# Where, behind the rows for the solutions, the numbers stand that are written besides.
+# Offsets of further results behind the rows of solutions.
 TARGET = 0  # the pose, row by row
-DISTANCES = 16  # of each solution from the seed
-MARKED = DISTANCES + MAX_SOLUTIONS  # its branch
+DISTANCES = 16  # distance of each solution from the seed
+MARKED = DISTANCES + MAX_SOLUTIONS  # branch of each solution
 TOTAL = MARKED + MAX_SOLUTIONS
 
-# Families whose solutions are listed.
+# Largest number of joints of these families.
 _MOST_JOINTS = 6
 _ROOM = MAX_SOLUTIONS * _MOST_JOINTS
 _ENTRIES = 6
@@ -36,14 +36,14 @@ _call_solve = linked(solve)
 
 @kernel(types.UniTuple(i8, _ENTRIES)(OUT1, _ANY2, OUT1, i8, b1, OUT2))
 def solve_one(arm, T, seed, metric, bounded, space):
-    """Solve the pose T (4, 4) of any memory layout, as it comes from a caller.
+    """Solve the pose T (4, 4) of any memory layout.
 
-    The other arguments are those of ``solve``, and so are the numbers returned, but for the first
-    one: that is what is wrong with T, as :func:`clean_poses` tells, or 0.
+    The other arguments are those of ``solve``.  Returns the fault of T as in :func:`clean_poses`,
+    or 0, and then the results of ``solve``.
 
     ``space`` has n numbers a row.  Its first 16 rows receive the solutions inside the limits,
-    nearest to the seed first, or where there are none the bare ones.  Behind them follow, one after
-    another, TOTAL numbers: T with its rotation made orthogonal to rounding, distances and branches.
+    nearest to the seed first; if there are none, the bare solutions.  TOTAL numbers follow: T with
+    its rotation made orthogonal to rounding, the distances and the branches.
     """
     n = seed.shape[0]
     T, space = borrowed(T), borrowed(space)
@@ -79,5 +79,5 @@ def solve_one(arm, T, seed, metric, bounded, space):
     return 0, found, missing, count, singular, unproven
 
 
-# The same for callers that make all arguments but T themselves, and T to be a float64 array.
+# The same without checks of the arguments; T must be a float64 array.
 solve_one_pose = direct(solve_one)

@@ -1,4 +1,4 @@
-"""Error of a pose, and the last Newton steps that take it to rounding; for every family."""
+"""Error of a pose, and final Newton steps that reduce it to rounding, for every family."""
 
 import math
 
@@ -11,10 +11,10 @@ from robomech_ros._kernels.chain.serial import forward_body, jacobian_body
 from robomech_ros._kernels.compiling.jit import kernel, lean, linked, scratch
 from robomech_ros._kernels.compiling.types import IN2, OUT1, f8, i8
 
-# Error (rad, m) at which polishing stops: some ten roundings of a pose of an arm of metre size.
+# Error (rad, m) at which polishing stops: about ten roundings of a pose of an arm of metre size.
 POLISHED = 1e-14
-# Least damping added to J^T J: its rounding is some 1e-16, so nothing smaller would protect the
-# Cholesky factor at a singular posture, and at a regular one 1e-16 costs no digit of a step.
+# Least damping added to J^T J.  Its rounding is about 1e-16, so less would not protect the Cholesky
+# factor at a singular posture; at a regular posture 1e-16 costs no digit of a step.
 POLISH_DAMPING = 1e-16
 
 
@@ -22,8 +22,8 @@ POLISH_DAMPING = 1e-16
 def pose_difference(T, current, e):
     """Write the error of ``current`` (4, 4) against T: rotation vector (rad), position (m).
 
-    The rotation vector turns ``current`` into T about an axis in base coordinates; its length
-    is the angle, up to and including half a turn.
+    The rotation vector turns ``current`` into T about an axis in base coordinates.  Its length is
+    the angle, at most half a turn.
     """
     r00 = T[0, 0] * current[0, 0] + T[0, 1] * current[0, 1] + T[0, 2] * current[0, 2]
     r01 = T[0, 0] * current[1, 0] + T[0, 1] * current[1, 1] + T[0, 2] * current[1, 2]
@@ -84,9 +84,9 @@ def pose_error(packed, T, q, e):
 def polish(packed, T, q, max_iterations):
     """Improve q (n,) in place by damped Newton steps on the pose, never making it worse.
 
-    Works for any number of joints, without limits; joints of a continuum move as little as
-    possible.  Returns the remaining error, the larger of rad and m.  Compiled once for all
-    families, since a step is much longer than a call.
+    Any number of joints is allowed, and limits are ignored.  Joints of a continuum move as little
+    as possible.  Returns the remaining error, the larger of rad and m.  Compiled once for all
+    families, since a step takes much longer than a call.
     """
     n = drive_count(packed)
     J, other_J = np.empty((6, n)), np.empty((6, n))

@@ -37,7 +37,7 @@ def _determinant(T):
 
 @inline
 def _orthogonalise(T, G):
-    """One step R <- R (3 - R^T R) / 2 towards the nearest rotation; the error is squared."""
+    """Replace R by R (3 - R^T R) / 2, one step to the nearest rotation that squares the error."""
     for i in range(3):
         a, b, c = T[i, 0], T[i, 1], T[i, 2]
         for j in range(3):
@@ -46,9 +46,9 @@ def _orthogonalise(T, G):
 
 @inline
 def clean_pose(T, G, tolerance):
-    """Check one pose and make its rotation orthogonal; return what is wrong with it.
+    """Check one pose and make its rotation orthogonal; return its fault, or 0.
 
-    G (3, 3) is room to work in.
+    G (3, 3) is working space.
     """
     for i in range(4):
         for j in range(4):
@@ -75,8 +75,8 @@ def clean_pose(T, G, tolerance):
 def clean_poses(T, tolerance):
     """Check the poses T (m, 4, 4) and remove their rounding in place.
 
-    Returns 0, or what is wrong with the first one at fault: NOT_FINITE, NOT_RIGID (the last row
-    off 0 0 0 1) or IMPROPER (off a proper rotation), both by more than ``tolerance``, or TOO_FAR
+    Returns 0 or the fault of the first invalid pose: NOT_FINITE, NOT_RIGID (the last row is not
+    0 0 0 1) or IMPROPER (not a proper rotation), both by more than ``tolerance``, or TOO_FAR
     (beyond LARGEST_LENGTH).
     """
     G = np.empty((3, 3))

@@ -14,7 +14,7 @@ from robomech_ros._kernels.compiling.jit import inline, kernel
 from robomech_ros._kernels.compiling.types import IN1, IN2, OUT2, ZERO, i8
 from robomech_ros._kernels.inverse.polishing import pose_difference
 
-# Rows of the answer.
+# Rows of the result.
 POSITION = 0
 ORIENTATION = 1
 MARGIN = 2
@@ -26,7 +26,7 @@ _LINEAR = np.int64(3)
 
 @inline
 def _task_norm(T, weights, e, first):
-    """Norm of three components of e, taken along the axes of T, that the task counts."""
+    """Return the weighted norm of three components of e along the axes of T."""
     squares = 0.0
     for k in range(3):
         value = T[0, k] * e[first] + T[1, k] * e[first + 1] + T[2, k] * e[first + 2]
@@ -36,11 +36,11 @@ def _task_norm(T, weights, e, first):
 
 @kernel(i8(IN2, IN2, IN1, IN1, IN1, IN2, OUT2))
 def measure(packed, T, weights, lower, upper, q, out):
-    """Measure the solutions q (k, n) of the pose T (4, 4) into out (4, k).
+    """Write the quality of the solutions q (k, n) of the pose T (4, 4) to out (4, k).
 
     Row POSITION: error (m); ORIENTATION: error (rad); MARGIN: least distance of a joint from a
-    limit; CONDITION: of the Jacobian in SI units.  ``weights`` (6,) is 1 for the components of
-    the error that count, about and then along the axes of T.
+    limit; CONDITION: condition number of the Jacobian in SI units.  ``weights`` (6,) is 1 for the
+    components of the error that count, about and then along the axes of T.
     """
     n = q.shape[1]
     current = np.empty((4, 4))

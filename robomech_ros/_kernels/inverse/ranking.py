@@ -1,4 +1,4 @@
-"""From bare solutions to ranked ones: windings, limits, order, margins."""
+"""Ranking of bare solutions: windings, limits, order and margins."""
 
 import math
 from typing import Any, NamedTuple
@@ -55,7 +55,7 @@ def _windings(value, lower, upper):
 
 @lean
 def _moved_inside(value, low, high):
-    """Return the first winding of a value below its limits that is not, or above them."""
+    """Return a value outside its limits, moved by turns until it is back across that limit."""
     below = low - AT_LIMIT - value
     if below > 0.0:
         return value + (_TURN * math.ceil(below / _TURN) if below > _TURN else _TURN)
@@ -65,7 +65,7 @@ def _moved_inside(value, low, high):
 
 @lean
 def _near(value, seed):
-    """Return the value in the winding nearest to the seed, branch-free where one turn will do."""
+    """Return the value in the winding nearest to the seed, without a branch for one turn."""
     move = seed - value
     if abs(move) >= _TURN_AND_HALF:
         return value + _TURN * math.floor(move / _TURN + 0.5)
@@ -75,13 +75,13 @@ def _near(value, seed):
 
 @lean
 def _on_limit(value, lower, upper):
-    """Put a value that is beyond a limit by no more than rounding on it."""
+    """Return the value clipped to the limits, which it exceeds by rounding at most."""
     return min(max(value, lower), upper)
 
 
 @lean
 def place(turns, lower, upper, seed, bounded, q, placed):
-    """Write the representative nearest to the seed; False where limits that hold exclude it."""
+    """Write q in the winding nearest to the seed; return False if ``bounded`` limits exclude it."""
     for i in range(q.shape[0]):
         value = _near(q[i], seed[i]) if turns[i] else q[i]
         low, high = lower[i], upper[i]
@@ -100,7 +100,7 @@ def place(turns, lower, upper, seed, bounded, q, placed):
 
 @lean
 def distance_from(q, seed, metric):
-    """Distance of q (n,) from the seed: the largest move of a joint, or the root of squares."""
+    """Return the distance of q (n,) from the seed: largest joint move, or Euclidean norm."""
     largest = 0.0
     squares = 0.0
     for i in range(q.shape[0]):
@@ -112,9 +112,9 @@ def distance_from(q, seed, metric):
 
 @lean
 def is_listed(turns, q, distance, count, ranked):
-    """Tell whether a solution q (n,) is among the first ``count``, joints that turn modulo a turn.
+    """Return whether a solution q (n,) is among the first ``count``, angles modulo a turn.
 
-    Only those are compared that are as far from the seed.
+    Only solutions at the same distance from the seed are compared.
     """
     rows, _, distances = ranked
     slack = SAME_POSTURE * q.shape[0]
@@ -136,9 +136,9 @@ def is_listed(turns, q, distance, count, ranked):
 
 @lean
 def insert(turns, q, name, distance, count, ranked):
-    """Put a solution behind those that are as near to the seed; return how many there are.
+    """Insert a solution behind those as near to the seed; return the number of solutions.
 
-    One that is listed, with the joints that turn modulo a turn, stays out.
+    A solution that is already listed, angles modulo a turn, is not inserted.
     """
     rows, names, distances = ranked
     room = rows.shape[0]
@@ -164,8 +164,8 @@ def insert(turns, q, name, distance, count, ranked):
 def rank_body(request, q, branch, total, placed, order, away, ranked):
     """Write each of ``total`` solutions once, in the winding nearest to the seed, nearest first.
 
-    If ``ranked`` has too little room, the nearest solutions are kept; ``placed``, ``order`` and
-    ``away`` are working space for all of them.  Returns how many.
+    If ``ranked`` has too few rows, only the nearest solutions are written.  ``nearest``, ``order``
+    and ``away`` are working space.  Returns the number of solutions written.
     """
     turns, lower, upper, seed, metric, bounded = request
     rows, names, distances = ranked
@@ -196,7 +196,7 @@ def rank_body(request, q, branch, total, placed, order, away, ranked):
 
 @lean
 def _wound(turns, lower, upper, number, q, wound):
-    """Write winding ``number`` of a placed solution; a joint without two limits keeps its own."""
+    """Write winding ``number`` of q to ``wound``; a joint without two limits is unchanged."""
     for i in range(q.shape[0]):
         wound[i] = q[i]
         if turns[i] and upper[i] - lower[i] < math.inf:
@@ -221,7 +221,7 @@ def _count_windings(turns, lower, upper, q):
 
 @kernel(i8(IIN1, IN1, IN1, IN2))
 def winding_count(turns, lower, upper, q):
-    """Return the number of windings inside the limits of all solutions q (k, n), 2**62 at most."""
+    """Return the number of windings of all solutions q (k, n) inside the limits, at most 2**62."""
     total = 0.0
     for k in range(q.shape[0]):
         total += _count_windings(turns, lower, upper, q[k])
@@ -230,10 +230,10 @@ def winding_count(turns, lower, upper, q):
 
 @kernel(i8(IIN1, IN1, IN1, IN1, i8, b1, b1, IN2, IIN1, OUT2, IOUT1, OUT1))
 def rank(turns, lower, upper, seed, metric, bounded, winding, q, branch, ranked, names, distances):
-    """Order the solutions q (k, n) by their distance from the seed; return how many are left.
+    """Order the solutions q (k, n) by their distance from the seed; return their number.
 
-    ``bounded`` drops those outside the limits; ``winding`` lists every winding inside them,
-    instead of the one nearest to the seed.  ``turns`` is 1 for revolute joints.
+    If ``bounded``, solutions outside the limits are dropped.  If ``winding``, every winding inside
+    the limits is listed, not only the nearest.  ``turns`` is 1 for revolute joints.
     """
     total = q.shape[0]
     if not winding:
@@ -242,7 +242,7 @@ def rank(turns, lower, upper, seed, metric, bounded, winding, q, branch, ranked,
         into = Ranked(ranked, names, distances)
         return rank_body(request, q, branch, total, placed, order, away, into)
     one, wound = np.empty(q.shape[1]), np.empty(q.shape[1])
-    # Windings of one posture are solutions of their own.
+    # Windings of one posture count as different solutions.
     none_turns = np.zeros(q.shape[1], np.int64)
     into = Ranked(ranked, names, distances)
     count = ZERO
@@ -258,10 +258,10 @@ def rank(turns, lower, upper, seed, metric, bounded, winding, q, branch, ranked,
 
 @kernel(i8(IIN1, IN1, IN1, IN2, OUT2))
 def excesses(turns, lower, upper, q, excess):
-    """Write by how much each joint of each solution is outside, 0 inside; return the least row.
+    """Write each joint's distance beyond its limits, 0 inside; return the row of the least.
 
-    Revolute joints count in the winding that is least outside.  The least offending solution is
-    the one whose largest excess is smallest, of equals the one with the smallest sum.
+    Revolute joints count in the winding that is least outside.  The returned solution has the
+    smallest largest excess; among equals, the smallest sum.
     """
     best = -1
     least = math.inf
@@ -293,7 +293,7 @@ def excesses(turns, lower, upper, q, excess):
 
 @kernel(i8(IN1, IN1, IN1, f8))
 def first_outside(lower, upper, q, slack):
-    """Index of the first joint of q (n,) outside its limits by more than ``slack``, or INSIDE.
+    """Return the index of the first joint outside its limits by more than ``slack``, or INSIDE.
 
     NaN and infinite values are outside.
     """

@@ -1,4 +1,4 @@
-"""All solutions of an arm of fewer than six joints, from those of one completed to six."""
+"""All solutions of an arm of fewer than six joints, by completing it to six joints."""
 
 import math
 
@@ -12,24 +12,24 @@ from robomech_ros._kernels.inverse.polishing import call_polish, pose_error
 from robomech_ros._kernels.inverse.six_joints import DOUBT, GENERAL, MAX_SOLUTIONS, call_six_joints
 from robomech_ros._kernels.tolerances import ACCEPTED, CONTINUUM_STEP, SAME_POSTURE
 
-# Imagined joints this near to zero (rad, or of the size) may be at zero, where a rounded pose takes
-# them: a polish of the arm itself decides.
+# Virtual joints this near to zero (rad, or of the size) may be zero, since poses are rounded:
+# Newton steps of the arm itself decide.
 SHORT_SLACK = 3e-2
-# Postures that only come near to a pose are one solution below this distance (rad or m).
+# Postures that only approximate a pose are one solution below this distance (rad or m).
 SHORT_APART = 1e-3
-# More solutions than this, sought where the completed arm is singular, are a continuum.
+# More solutions than this, found where the completed arm is singular, are a continuum.
 SHORT_CONTINUUM = 8
 
-# Values of a joint that is free in the completed arm only.
+# Number of values tried for a joint that is free in the completed arm only.
 _FREE_VALUES = 16
 _STEPS = np.int64(30)
 
 
 @inline
 def _stays(data, found):
-    """Return whether the imagined joints are at zero, near enough for a polish to decide."""
+    """Return whether the virtual joints are near enough to zero for Newton steps to decide."""
     for i in range(6):
-        if data[at.PLACES + i] < 0.0:
+        if data[at.ARM_JOINTS + i] < 0.0:
             if data[at.SLIDES + i] != 0.0:
                 away = abs(found[i]) / data[at.SIZE]
             else:
@@ -41,16 +41,16 @@ def _stays(data, found):
 
 @inline
 def _entered(data, packed, T, found, q, errors, count):
-    """Write the joints of the arm behind the solutions there are, if they solve it and are new.
+    """Append the arm's joints to the solutions if they solve the pose and are new.
 
-    If two only come near to the pose, and are near each other, the better one stays;
-    ``errors`` (16,) are theirs (rad or m).
+    Of two neighbouring postures that only approximate the pose, the better one is stored.
+    ``errors`` (16,) are the errors of the solutions (rad or m).  Returns the number of solutions.
     """
     n = q.shape[1]
     for i in range(6):
-        place = int(data[at.PLACES + i])
-        if place >= 0:
-            q[count, place] = found[i]
+        joint = int(data[at.ARM_JOINTS + i])
+        if joint >= 0:
+            q[count, joint] = found[i]
     error, e = call_polish(packed, T, q[count], _STEPS), scratch(6)
     if error > ACCEPTED:
         if not error <= at.ORIENTATION_TOLERANCE:
@@ -80,7 +80,7 @@ def _entered(data, packed, T, found, q, errors, count):
 
 @inline
 def _leave_exact(q, errors, count):
-    """Drop what only comes near to the pose, if others take it; return how many are left."""
+    """Drop approximate solutions if there are exact ones; return the number of solutions."""
     least = math.inf
     for k in range(count):
         least = min(least, errors[k])
@@ -95,7 +95,7 @@ def _leave_exact(q, errors, count):
 
 @inline
 def _displace(data, attempt, found):
-    """Move the postures ``found`` (k, 6) a little, each time in another direction."""
+    """Move the postures ``found`` (k, 6) a little, in another direction for each attempt."""
     for k in range(found.shape[0]):
         for i in range(6):
             step = CONTINUUM_STEP * math.cos(attempt * (i + 1.0))
@@ -106,9 +106,9 @@ def _displace(data, attempt, found):
 def solve_short(data, T, seed, q, branch):
     """Write all solutions for the pose T (4, 4) to q (16, n), branches to ``branch`` (16,).
 
-    If the completed arm is singular and the arm itself need not be, solutions are sought from
-    several values of what is free there, or, without a closed form, nearby; very many that are
-    found so are a continuum.  Returns how many there are, plus DOUBT where the list may lack one.
+    The completed arm may be singular where the arm itself is not.  Then several values of its free
+    joints are tried or, without a closed form, postures nearby; many solutions found this way are
+    a continuum.  Returns the number of solutions, plus DOUBT if the list may be incomplete.
     """
     n = int(data[at.JOINTS])
     packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
@@ -123,11 +123,11 @@ def solve_short(data, T, seed, q, branch):
     for attempt in range(_FREE_VALUES):
         turn = 2.0 * math.pi * attempt / _FREE_VALUES
         for i in range(6):
-            place = int(data[at.PLACES + i])
-            start[i] = seed[place] if place >= 0 else 0.0
+            joint = int(data[at.ARM_JOINTS + i])
+            start[i] = seed[joint] if joint >= 0 else 0.0
             start[i] += turn if data[at.SLIDES + i] == 0.0 else data[at.SIZE] * (turn - math.pi)
             if attempt == 0 and data[at.SLIDES + i] != 0.0:
-                start[i] = seed[place] if place >= 0 else 0.0
+                start[i] = seed[joint] if joint >= 0 else 0.0
         if attempt == 0 or data[at.SIX] != GENERAL:
             total = call_six_joints(
                 int(data[at.SIX]), data[at.BACKWARDS] != 0.0, six, T, start, found, marks

@@ -1,4 +1,4 @@
-"""The solvers of six-joint arms behind one kernel, forwards and from the tip backwards."""
+"""One kernel for all solvers of six-joint arms, from the base or from the tip."""
 
 from robomech_ros._kernels.compiling.jit import inline, kernel, linked, scratch
 from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT2, b1, i8
@@ -11,9 +11,9 @@ from robomech_ros._kernels.inverse.parallel.solutions import solve_parallel
 DECOUPLED = 0
 THREE_PARALLEL = 1
 ITERATIVE = 2
-# 3 and 4 are arms of more and of fewer joints.
+# Families 3 and 4 have more and fewer joints.
 GENERAL = 5
-# Added to the number of a family whose constants are those of the inverse motion.
+# Added to the index of a family whose constants are those of the inverse motion.
 BACKWARDS = 16
 
 MAX_SOLUTIONS = 16
@@ -21,7 +21,7 @@ MAX_SOLUTIONS = 16
 
 @inline
 def _postures(family, data, T, seed, q, branch):
-    """Solve an arm as its family does; return how many solutions there are."""
+    """Solve an arm by the solver of its family; return the number of solutions."""
     if family == DECOUPLED:
         return solve_decoupled(data, T, seed, q, branch)
     if family == THREE_PARALLEL:
@@ -37,8 +37,8 @@ def six_joint_postures(family, backwards, data, T, seed, q, branch):
 
     With ``backwards`` the constants are those of the inverse motion of a six-joint arm, with the
     joints in opposite order and sense; T, ``seed`` and q are those of the arm itself.  One kernel
-    for all, since every kernel that calls it is compiled together with all that it calls.  Returns
-    how many solutions there are, plus DOUBT where the list may lack one.
+    serves all families, since a kernel is compiled together with all that it calls.  Returns the
+    number of solutions, plus DOUBT if the list may be incomplete.
     """
     if not backwards:
         return _postures(family, data, T, seed, q, branch)

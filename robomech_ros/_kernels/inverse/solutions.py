@@ -1,4 +1,4 @@
-"""All families behind one kernel: solutions, ranked; one pose or many."""
+"""One kernel that solves one pose or many for all families and ranks the solutions."""
 
 import math
 from typing import Any, NamedTuple
@@ -30,22 +30,20 @@ from robomech_ros._kernels.inverse.six_joints import (
     call_six_joints,
 )
 
-# Families with kernels of their own: the number of that of short arms, after those of six joints
-# and the redundant one.
+# Family of short arms; six_joints has the families of six joints, and 3 is that of redundant arms.
 SHORT = 4
 
-# In place of a count: there is no solution, with limits or without; and that the family has found
-# none, which proves nothing.
+# Counts without a solution: none exists, even outside the limits; none was found, without a proof.
 NONE_EXISTS = -1
 UNDECIDED = -2
 
-# Rows of ``marks``: branches of the bare solutions and of the ranked ones.
+# Rows of ``marks``: branches of the bare and of the ranked solutions.
 BRANCH = 0
 NAMES = 1
 MARKS = 2
-# Entries of ``state``: how many bare solutions there are, branches of continua without a posture
-# inside the limits, ranked solutions, bare ones that stand for a continuum, and 1 where the family
-# cannot vouch for having found all.
+# Entries of ``state``: numbers of bare solutions, of branches of continua without a posture inside
+# the limits, of ranked solutions and of bare solutions that represent a continuum; and 1 if the
+# family cannot prove that it has found all.
 BARE = 0
 MISSING = 1
 RANKED = 2
@@ -53,14 +51,14 @@ SINGULAR = 3
 UNPROVEN = 4
 STATE = 5
 
-# Values of the free joints that are tried where the seed's leads out of the limits.
+# Number of values of the free joints tried if the seed's value leads out of the limits.
 _FREE_VALUES = 96
-# Limits hold; typed, so that numba does not compile a function anew for a literal.
+# True, typed so that numba does not recompile a function for a literal.
 _BOUNDED = np.bool_(True)
 
 
 class _Space(NamedTuple):
-    """Working space of one pose: other solutions, one that is placed, branches that are missing."""
+    """Working space of one pose: other solutions, nearest winding, missing branches, distances."""
 
     q: Any
     marks: Any
@@ -71,7 +69,7 @@ class _Space(NamedTuple):
 
 @lean
 def _settle(family, lower, upper, seed, q, branch, total):
-    """Choose among the postures of singular spherical wrists those that limits allow."""
+    """Move the postures of singular spherical wrists into the limits."""
     if family == DECOUPLED:
         for k in range(total):
             if branch[k] & bit.WRIST_SINGULAR:
@@ -80,7 +78,7 @@ def _settle(family, lower, upper, seed, q, branch, total):
 
 @lean
 def _count_continua(branch, total):
-    """Count the solutions that stand for a continuum."""
+    """Return the number of solutions that represent a continuum."""
     count = 0
     for k in range(total):
         if branch[k] & bit.CONTINUUM:
@@ -90,7 +88,7 @@ def _count_continua(branch, total):
 
 @lean
 def _excluded(request, q, branch, total, space):
-    """List the branches of continua whose representatives limits exclude; return how many."""
+    """List the branches of continua whose representatives exceed the limits; return how many."""
     turns, lower, upper, seed, _, _ = request
     count = 0
     for k in range(total):
@@ -105,7 +103,7 @@ def _excluded(request, q, branch, total, space):
 def _add_missing(request, space, ranked, state):
     """Add the postures of missing branches that are inside the limits to the ranked ones.
 
-    ``state`` holds how many postures there are in the space, branches missing, and ranked ones.
+    ``state`` holds the numbers of postures in the space, missing branches and ranked solutions.
     """
     turns, lower, upper, seed, metric, _ = request
     q, branch, placed, missing, _ = space
@@ -124,7 +122,7 @@ def _add_missing(request, space, ranked, state):
 
 @lean
 def _bare(family, data, T, start, request, bounded, q, branch):
-    """Write the bare solutions of any family; return how many there are, plus DOUBT."""
+    """Write the bare solutions of any family; return their number, plus DOUBT if incomplete."""
     if family == SHORT:
         total = solve_short(data, T, start, q, branch)
     else:
@@ -152,7 +150,7 @@ def _seek_missing(family, data, T, start, request, space, ranked, state):
 
 @lean
 def _solve_pose(family, data, T, start, request, q, branch, space, ranked, state):
-    """Solve one pose and rank its solutions; return how many bare ones there are."""
+    """Solve one pose and rank its solutions; return the number of bare solutions."""
     total = _bare(family, data, T, start, request, request.bounded, q, branch)
     found = total % DOUBT
     state[UNPROVEN] = total // DOUBT
@@ -168,7 +166,7 @@ def _solve_pose(family, data, T, start, request, q, branch, space, ranked, state
 
 @lean
 def _number(branch):
-    """Write numbers of postures that were solved backwards, whose names belong to other joints."""
+    """Replace branch names by numbers for postures solved backwards, with other joints."""
     for k in range(branch.shape[0]):
         number = branch[k] & (bit.SHOULDER_RIGHT | bit.ELBOW_DOWN | bit.WRIST_FLIP)
         if branch[k] & bit.ARM_NUMBERED:
@@ -190,21 +188,20 @@ def _clear(rows, first):
 def solve(arm, T, seed, metric, bounded, q, ranked, distances, marks, counts):
     """Solve the poses T (m, 4, 4) one after another.
 
-    ``arm`` holds the number of the family; then of every joint whether it turns, of every joint
-    its lower and of every joint its upper limit; then the constants that the family reads.  It is
-    one array, since to hand over an array takes as long as a fourth of an arm's solutions.  What
-    is only read is writable all the same: numba takes thrice as long for arrays that are not.
+    ``arm`` holds the index of the family; for all joints whether they turn, then their lower and
+    their upper limits; then the constants of the family.  It is one array, since passing an array
+    takes a fourth of the time of solving an arm.  Arrays that are only read are writable, too:
+    numba takes thrice as long to accept read-only ones.
 
-    The solutions inside the limits (all where not ``bounded``) go to ``ranked`` (m, room, n),
-    nearest to the seed first and NaN after the last, their number to ``counts`` (m,): it is
-    NONE_EXISTS where there is no solution even outside the limits, UNDECIDED where the family
-    cannot vouch for that.  If limits exclude a representative of a continuum, others are tried,
-    with other values of the free joints.
-    BACKWARDS is added to ``family`` where the constants are those of the inverse motion.
+    The solutions inside the limits (all if not ``bounded``) go to ``ranked`` (m, room, n),
+    nearest to the seed first and NaN after the last, their number to ``counts`` (m,).  It is
+    NONE_EXISTS without a solution even outside the limits, UNDECIDED if the family cannot prove
+    that.  If limits exclude a representative of a continuum, other values of the free joints are
+    tried.  BACKWARDS is added to the family if the constants are those of the inverse motion.
 
-    For the last pose, q (16, n) and row BRANCH of ``marks`` (MARKS, 16) get the bare solutions, its
-    row NAMES and ``distances`` (16,) the branches of the ranked ones and their distances.  Returned
-    are the entries of its ``state``.
+    For the last pose, q (16, n) and row BRANCH of ``marks`` (MARKS, 16) get the bare solutions, row
+    NAMES and ``distances`` (16,) the branches and distances of the ranked ones.  Returns the
+    entries of its ``state``.
     """
     n = seed.shape[0]
     arm, T, q, ranked = borrowed(arm), borrowed(T), borrowed(q), borrowed(ranked)

@@ -62,7 +62,7 @@ def match(chain: SerialChain) -> Array | None:
     head[at.JOINTS], head[at.SIX], head[at.BACKWARDS] = chain.n, arm.family, arm.backwards
     head[at.EXACT] = arm.family != DECOUPLED or arm.data[decoupled_layout.EXACT] == 1.0
     head[at.SIZE] = size
-    head[at.PLACES : at.PLACES + 6], head[at.SLIDES : at.SLIDES + 6] = places, types
+    head[at.ARM_JOINTS : at.ARM_JOINTS + 6], head[at.SLIDES : at.SLIDES + 6] = places, types
     return np.concatenate((head, chain.packed.ravel(), arm.data))
 
 
