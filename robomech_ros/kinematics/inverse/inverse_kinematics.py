@@ -50,7 +50,7 @@ def inverse_kinematics(
     axes next to each other get all their real solutions in closed form, any other arm of six joints
     from an equation in one of them; ``complete`` is False where a pose is so degenerate that one
     may be missing. Arms of fewer joints, and partial tasks of as many components as there are
-    joints, are completed to an arm of six by imagined joints, wherever that has a closed form.
+    joints, are completed to an arm of six by virtual joints, wherever that has a closed form.
     Where an arm of fewer joints cannot take a pose, as is the rule, ``nearest`` is the posture that
     misses it least.
 

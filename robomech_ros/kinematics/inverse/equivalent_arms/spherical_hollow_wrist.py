@@ -34,7 +34,7 @@ _ALIGNED = 1e-7
 # Greatest degree of the polynomial.
 _MOST_DEGREE = 8
 
-# A quarter turn about x, and an orientation in which imagined wrists are regular.
+# A quarter turn about x, and an orientation in which virtual wrists are regular.
 _QUARTER = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
 _ORIENTATION = turn_about_z(0.7) @ _QUARTER @ turn_about_z(1.9) @ _QUARTER @ turn_about_z(-0.4)
 
@@ -43,7 +43,7 @@ _ORIENTATION = turn_about_z(0.7) @ _QUARTER @ turn_about_z(1.9) @ _QUARTER @ tur
 class SphericalHollowWrist:
     """An arm of three joints with a hollow wrist.
 
-    The arm has the first three joints with an imagined wrist of three about the same point, and the
+    The arm has the first three joints with a virtual wrist of three about the same point, and the
     family is its own. ``front`` are the first three joints, up to the frame of the first of the
     wrist. The turns (4, 3, 3) are the rotations between the axes of the wrist, and from the last to
     the tip, the centre (3,) is the point in the frame of the tip (m). The gains are the turns of

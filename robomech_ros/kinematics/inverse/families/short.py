@@ -1,6 +1,6 @@
 """Arms of one to five joints: completion to six joints.
 
-Imagined joints are put where a closed form results if they can, mostly a spherical wrist about a
+Virtual joints are put where a closed form results if they can, mostly a spherical wrist about a
 point of the last axis, after slides that let the first joints reach every point.  Solutions of the
 arm are those in which they stay at zero, so that none is lost, whatever the arm: planar, spherical,
 SCARA, with five axes or any other.  What fits neither read from the base nor from the tip is
@@ -37,13 +37,13 @@ from robomech_ros.typing import Array
 
 # A completed arm with at least this determinant (lengths over the size) is taken at once.
 SHORT_REGULAR = 0.02
-# With less (lengths over the size) wherever imagined joints are at zero, it serves as the last one.
+# With less (lengths over the size) wherever virtual joints are at zero, it serves as the last one.
 SHORT_SINGULAR = 1e-3
 
-# Transforms, types, and which joint of the arm each is (-1 for imagined ones).
+# Transforms, types, and which joint of the arm each is (-1 for virtual ones).
 Completed = tuple[list[Array], list[int], list[int]]
 
-_IMAGINED = -1
+_VIRTUAL = -1
 
 
 def match(chain: SerialChain) -> Array | None:
@@ -86,12 +86,12 @@ def _with_closed_form(chain: SerialChain, size: float) -> tuple[SixJointArm, Com
 
 
 def _regularity(completed: Completed, size: float) -> float:
-    """Return the largest determinant among some postures, imagined joints at zero.
+    """Return the largest determinant among some postures, virtual joints at zero.
 
     A completed arm that is singular wherever they are at zero loses solutions of the real one.
     """
     links, kinds, places = completed
-    own = np.array(places) != _IMAGINED
+    own = np.array(places) != _VIRTUAL
     q = np.random.default_rng(0).uniform(-np.pi, np.pi, (8, len(kinds))) * own
     J = scaled_jacobians(pack_chain(np.array(links), np.array(kinds)), q, size)
     return float(np.abs(np.linalg.det(J)).max())
@@ -186,7 +186,7 @@ def _with_slides(completed: Completed, index: int, slides: tuple[Array, ...]) ->
     return (
         new,
         [*kinds[:index], *[PRISMATIC] * count, *kinds[index:]],
-        [*places[:index], *[_IMAGINED] * count, *places[index:]],
+        [*places[:index], *[_VIRTUAL] * count, *places[index:]],
     )
 
 
@@ -210,10 +210,10 @@ def _with_wrist(completed: Completed, wrist: int, centre: Array) -> Completed:
 
 
 def _with_last(completed: Completed, placed: Array) -> Completed:
-    """Append an imagined revolute joint, placed in the frame of the last joint."""
+    """Append a virtual revolute joint, placed in the frame of the last joint."""
     links, kinds, places = completed
     rest = np.linalg.inv(placed) @ links[-1]
-    return [*links[:-1], placed, rest], [*kinds, REVOLUTE], [*places, _IMAGINED]
+    return [*links[:-1], placed, rest], [*kinds, REVOLUTE], [*places, _VIRTUAL]
 
 
 def _turn_x(angle: float) -> Array:
@@ -230,7 +230,7 @@ def _turn_y(angle: float) -> Array:
     return result
 
 
-# Places of skew imagined joints behind the last one, lengths over the arm's size.
+# Places of skew virtual joints behind the last one, lengths over the arm's size.
 _SKEW = (
     shift(np.array([0.31, 0.22, -0.17])) @ turn_about_z(0.7) @ _turn_x(1.3),
     shift(np.array([0.23, -0.34, 0.19])) @ turn_about_z(-1.9) @ _turn_x(1.1),
