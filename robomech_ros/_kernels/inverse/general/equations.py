@@ -33,7 +33,7 @@ _HALF_ROOT = math.sqrt(0.75)
 # Three values of a rotation and of a slide.
 _COSINES = np.array([1.0, -0.5, -0.5])
 _SINES = np.array([0.0, _HALF_ROOT, -_HALF_ROOT])
-_WAYS = np.array([0.0, 1.0, -1.0])
+_SLIDE_VALUES = np.array([0.0, 1.0, -1.0])
 # Maps from values there to coefficients of cosine, sine and 1; of s s, s c, c c of the half angle;
 # of a slide's square, the slide and 1.
 _TURN_PARTS = np.array([2.0 * _COSINES, 2.0 * _SINES, np.ones(3)]) / 3.0
@@ -60,11 +60,11 @@ def closure_quantities(lx, ly, lz, px, py, pz, out):
 
 
 @inline
-def _followed(pose, number, slides, links, k, out):
+def _chained(pose, number, slides, links, k, out):
     """Write the product of a pose (12,), a joint at one of its three values and a link to out."""
     c, s, d = 1.0, 0.0, 0.0
     if slides:
-        d = _WAYS[number]
+        d = _SLIDE_VALUES[number]
     else:
         c, s = _COSINES[number], _SINES[number]
     for j in range(4):
@@ -90,11 +90,11 @@ def left_side(links, slide, K):
     first, second, third = np.empty(12), np.empty(12), np.empty(12)
     n = 0
     for i in range(3):
-        _followed(links[:12], i, False, links, 12, first)
+        _chained(links[:12], i, False, links, 12, first)
         for j in range(3):
-            _followed(first, j, slide == at.THIRD, links, 24, second)
+            _chained(first, j, slide == at.THIRD, links, 24, second)
             for k in range(3):
-                _followed(second, k, slide == at.FOURTH, links, 36, third)
+                _chained(second, k, slide == at.FOURTH, links, 36, third)
                 closure_quantities(
                     third[2], third[6], third[10], third[3], third[7], third[11], V[n]
                 )

@@ -82,7 +82,7 @@ STATE = 5
 
 
 @inline
-def _entered(trial, mark, q, marks, state):
+def _enter(trial, mark, q, marks, state):
     """Enter a solution; return its row, or -1 if the list is full."""
     count = state[COUNT]
     if count >= MAX_SOLUTIONS:
@@ -117,7 +117,7 @@ def admit(data, T, trial, singular, q, marks, state):
         for k in range(count):
             if distance(data, q[k], trial) < SAME_POSTURE:
                 return k
-        return _entered(trial, 0, q, marks, state)
+        return _enter(trial, 0, q, marks, state)
     u, v = np.empty(6), np.empty(6)
     w, x = np.empty(6), np.empty(6)
     fifth, ratio = regularity(data, packed, trial, u, v)
@@ -133,13 +133,13 @@ def admit(data, T, trial, singular, q, marks, state):
                     q[k, j] = trial[j]
             return k
     if ratio > GENERAL_SINGULAR:
-        return _entered(trial, 0, q, marks, state)
+        return _enter(trial, 0, q, marks, state)
     if not is_in_continuum(data, T, trial, u, v, fifth):
-        return _entered(trial, BOUNDARY, q, marks, state)
+        return _enter(trial, BOUNDARY, q, marks, state)
     if state[CONTINUA] >= MOST_CONTINUA:
         return -1
     state[CONTINUA] += 1
-    return _entered(trial, SELF_MOTION, q, marks, state)
+    return _enter(trial, SELF_MOTION, q, marks, state)
 
 
 @inline

@@ -99,7 +99,7 @@ def sample(E, form, A, B, K):
 
 
 @inline
-def _on_arc(form, arc, turned, b):
+def _arc_coefficients(form, arc, turned, b):
     """Write the Bernstein coefficients b (17,) on an arc."""
     for k in range(9):
         c, s = ARC_COSINES[arc, k], ARC_SINES[arc, k]
@@ -116,7 +116,7 @@ def _on_arc(form, arc, turned, b):
 
 
 @inline
-def _anew(E, arc, low, high, A, B, K, values, b):
+def _resample(E, arc, low, high, A, B, K, values, b):
     """Write the Bernstein coefficients of new samples on a part of an arc; return the rounding."""
     middle = 0.5 * (low + high)
     half = 0.5 * (high - low)
@@ -251,7 +251,7 @@ def _tolerance(noise, level):
 
 
 @lean
-def _entered(start, end, roots, count):
+def _enter(start, end, roots, count):
     """Enter an interval unless the list is full; return the number of intervals."""
     if count < MAX_ROOTS:
         roots[count, 0], roots[count, 1] = start, end
@@ -260,13 +260,13 @@ def _entered(start, end, roots, count):
 
 
 @lean
-def _joined(start, end, roots, count):
+def _enter_or_extend(start, end, roots, count):
     """Enter an interval or extend the last one by it; return the number of intervals."""
     continues = count > 0 and start - roots[count - 1, 1] < GENERAL_WIDTH
     if continues and roots[count - 1, 1] > roots[count - 1, 0]:
         roots[count - 1, 1] = end
         return count
-    return _entered(start, end, roots, count)
+    return _enter(start, end, roots, count)
 
 
 @part(types.Tuple((i8, b1, i8))(IN2, IN2, f8, i8, OUT2, OUT2, OUT2, OUT2))
@@ -287,7 +287,7 @@ def isolate(E, form, noise, most, A, B, K, roots):
     samplings = 0
     whole = True
     for arc in range(ARCS):
-        _on_arc(form, arc, turned, stack[0])
+        _arc_coefficients(form, arc, turned, stack[0])
         spans[0, _LOW], spans[0, _HIGH] = -1.0, 1.0
         spans[0, _NOISE], spans[0, _LEVEL] = noise, -1.0
         top = 0
@@ -302,7 +302,7 @@ def isolate(E, form, noise, most, A, B, K, roots):
                 continue
             if changes == 1 and not vague:
                 zero = _angle(arc, low + (high - low) * _only_root(b))
-                count = _entered(zero, zero, roots, count)
+                count = _enter(zero, zero, roots, count)
                 top -= 1
                 continue
             spent = halvings >= GENERAL_HALVINGS or top + 2 >= _DEPTH
@@ -312,12 +312,12 @@ def isolate(E, form, noise, most, A, B, K, roots):
             done = most > 0 and rounding and known and level >= _LAST - 1
             if high - low < GENERAL_WIDTH or spent or done:
                 whole = whole and not spent
-                count = _joined(_angle(arc, low), _angle(arc, high), roots, count)
+                count = _enter_or_extend(_angle(arc, low), _angle(arc, high), roots, count)
                 top -= 1
                 continue
             if unsure and (level < 0 or level >= _LAST) and samplings < most:
                 samplings += 1
-                fresh = _anew(E, arc, low, high, A, B, K, values, b)
+                fresh = _resample(E, arc, low, high, A, B, K, values, b)
                 gained = fresh < 0.1 * spans[top, _NOISE]
                 spans[top, _NOISE] = fresh
                 spans[top, _LEVEL] = 0.0

@@ -239,7 +239,7 @@ def is_between(data, T, p, q, trial):
 
 
 @inline
-def _moved_on(data, T, q, direction, length, trial):
+def _settled_distance(data, T, q, direction, length, trial):
     """Step by ``length`` (rad) and settle; return the distance of the result from q, 0 if none."""
     largest = 0.0
     for j in range(6):
@@ -252,12 +252,12 @@ def _moved_on(data, T, q, direction, length, trial):
 
 
 @inline
-def _goes_on(data, T, q, direction, step, kept, trial):
+def _settles_on_continuum(data, T, q, direction, step, kept, trial):
     """Return whether ``step`` (rad) and half of it settle on a continuum through q."""
-    far = _moved_on(data, T, q, direction, step, trial)
+    far = _settled_distance(data, T, q, direction, step, trial)
     if far < kept:
         return False
-    near = _moved_on(data, T, q, direction, 0.5 * step, trial)
+    near = _settled_distance(data, T, q, direction, 0.5 * step, trial)
     return 0.3 * far < near < 0.8 * far
 
 
@@ -278,11 +278,13 @@ def is_in_continuum(data, T, q, u, v, fifth):
         a, b = math.cos(math.pi * k / count), math.sin(math.pi * k / count)
         for j in range(6):
             direction[j] = a * u[j] + b * v[j]
-        if _goes_on(data, T, q, direction, CONTINUUM_STEP, CONTINUUM_KEPT, trial):
+        if _settles_on_continuum(data, T, q, direction, CONTINUUM_STEP, CONTINUUM_KEPT, trial):
             return True
     for k in range(6 if pencil else 0):
         for j in range(6):
             direction[j] = 1.0 if j == k else 0.0
-        if _goes_on(data, T, q, direction, CONTINUUM_FAR_STEP, CONTINUUM_FAR_KEPT, trial):
+        if _settles_on_continuum(
+            data, T, q, direction, CONTINUUM_FAR_STEP, CONTINUUM_FAR_KEPT, trial
+        ):
             return True
     return False

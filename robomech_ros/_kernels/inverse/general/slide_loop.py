@@ -105,7 +105,7 @@ def turns_of(between, M, cosine, sine, turns):
 
 
 @inline
-def round_loop(data, form, loop, turns, way, slides):
+def closure_gap(data, form, loop, turns, gap, slides):
     """Write the closure gap (3,) of the loop with slides at zero, and their directions (3, 3).
 
     Both are in the frame behind joint a, without one in the first frame.  ``turns`` (3, 2) are
@@ -115,7 +115,7 @@ def round_loop(data, form, loop, turns, way, slides):
     row = np.empty(3, np.complex128)
     for i in range(3):
         frame[i, i] = 1.0
-        way[i] = 0.0
+        gap[i] = 0.0
     r = -1 if data[at.SLIDES] == 2.0 else 0
     slide = 0
     for k in range(6):
@@ -132,7 +132,7 @@ def round_loop(data, form, loop, turns, way, slides):
                     frame[i, 1] = y * c - x * s
             r += 1
         for i in range(3):
-            way[i] += (
+            gap[i] += (
                 frame[i, 0] * loop[k, 3] + frame[i, 1] * loop[k, 7] + frame[i, 2] * loop[k, 11]
             )
             for j in range(3):

@@ -33,11 +33,11 @@ from robomech_ros._kernels.inverse.general import layout as at
 from robomech_ros._kernels.inverse.general.circle_tables import SAMPLES, TO_COSINES, TO_SINES
 from robomech_ros._kernels.inverse.general.roots import DETERMINANT_NOISE, MAX_ROOTS, isolate
 from robomech_ros._kernels.inverse.general.slide_loop import (
+    closure_gap,
     demanded_turn,
     middle,
     read,
     root,
-    round_loop,
     triple,
     turns_of,
 )
@@ -71,7 +71,7 @@ _SINES = np.sin(_OFFSET + 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES)
 
 
 @inline
-def _evaluate(data, form, loop, between, cosine, sine, M, turns, way, slides):
+def _evaluate(data, form, loop, between, cosine, sine, M, turns, gap, slides):
     """Return g at a value of joint a, the scale of its rounding and its last factor."""
     demanded_turn(between, cosine, sine, M)
     k, c, s = middle(between, M)
@@ -79,16 +79,16 @@ def _evaluate(data, form, loop, between, cosine, sine, M, turns, way, slides):
     room = square - k * k
     p, q = root(k, c, s, 1.0)
     turns_of(between, M, p, q, turns)
-    round_loop(data, form, loop, turns, way, slides)
-    first = triple(way, slides[0], slides[1])
-    length = abs(way[0]) + abs(way[1]) + abs(way[2])
+    closure_gap(data, form, loop, turns, gap, slides)
+    first = triple(gap, slides[0], slides[1])
+    length = abs(gap[0]) + abs(gap[1]) + abs(gap[2])
     other = complex(first.real, -first.imag)
     if room >= 0.0:
         p, q = root(k, c, s, -1.0)
         turns_of(between, M, p, q, turns)
-        round_loop(data, form, loop, turns, way, slides)
-        other = triple(way, slides[0], slides[1])
-        length = max(length, abs(way[0]) + abs(way[1]) + abs(way[2]))
+        closure_gap(data, form, loop, turns, gap, slides)
+        other = triple(gap, slides[0], slides[1])
+        length = max(length, abs(gap[0]) + abs(gap[1]) + abs(gap[2]))
     apart = (1.0 - M[8]) * (1.0 + M[8])
     # If axis c is nearly parallel to a neighbour, its angle is less certain.
     others = length * (abs(first) + abs(other)) / math.sqrt(square)
@@ -96,7 +96,7 @@ def _evaluate(data, form, loop, between, cosine, sine, M, turns, way, slides):
 
 
 @inline
-def _shortest(slides, way, used, values):
+def _slide_displacements(slides, gap, used, values):
     """Write the shortest displacements (3,) of the slides that close the loop.
 
     Damped least squares, so that slides that can move against each other share the motion.
@@ -108,7 +108,7 @@ def _shortest(slides, way, used, values):
         for m in range(3):
             for j in range(used):
                 N[i, j] += slides[i, m].real * slides[j, m].real
-            N[i, 3] -= slides[i, m].real * way[m].real
+            N[i, 3] -= slides[i, m].real * gap[m].real
     for k in range(3):
         for i in range(k + 1, 3):
             factor = N[i, k] / N[k, k]
@@ -122,11 +122,11 @@ def _shortest(slides, way, used, values):
 
 
 @inline
-def _enter(data, form, cosine, sine, turns, way, slides, trial):
+def _enter(data, form, cosine, sine, turns, gap, slides, trial):
     """Write the joint values of a posture, real parts if complex, to trial (6,)."""
     two = data[at.SLIDES] == 2.0
     values = np.empty(3)
-    _shortest(slides, way, 2 if two else 3, values)
+    _slide_displacements(slides, gap, 2 if two else 3, values)
     slide = 0
     r = -1 if two else 0
     for k in range(6):
@@ -143,7 +143,7 @@ def _enter(data, form, cosine, sine, turns, way, slides, trial):
 
 
 @inline
-def _transformed(values, order, shape):
+def _harmonics(values, order, shape):
     """Write the harmonics up to an order to shape (2, 9); return the largest higher one."""
     rounding = 0.0
     for k in range(9):
@@ -159,7 +159,7 @@ def _transformed(values, order, shape):
 
 
 @inline
-def _hidden_values(data, form, loop, between, seed, roots, M, turns, way, slides):
+def _hidden_values(data, form, loop, between, seed, roots, M, turns, gap, slides):
     """Write the values of joint a in all postures; return how many, if these are all, and if void.
 
     If g vanishes at all angles, joint a may be free; then the seed's value and others are used.
@@ -169,15 +169,15 @@ def _hidden_values(data, form, loop, between, seed, roots, M, turns, way, slides
     noise = 0.0
     for j in range(SAMPLES):
         values[j], others, factors[j] = _evaluate(
-            data, form, loop, between, _COSINES[j], _SINES[j], M, turns, way, slides
+            data, form, loop, between, _COSINES[j], _SINES[j], M, turns, gap, slides
         )
         noise = max(noise, DETERMINANT_NOISE * others)
     shape = np.empty((2, 9))
-    rounding = _transformed(values, _ORDER, shape)
+    rounding = _harmonics(values, _ORDER, shape)
     if rounding > GENERAL_VOID * noise:
         for j in range(SAMPLES):
             values[j] *= factors[j]
-        rounding = _transformed(values, _ORDER_SQUARED, shape)
+        rounding = _harmonics(values, _ORDER_SQUARED, shape)
     noise = max(noise, rounding)
     largest = 0.0
     for j in range(SAMPLES):
@@ -206,12 +206,12 @@ def _is_complex(between, hidden, M):
 
 
 @inline
-def _nearness(way, slides):
+def _nearness(gap, slides):
     """Return 1 if two slides close the loop near the arm, 0 if nowhere, -1 if anywhere."""
     across, along = 0.0, 0.0
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
-        u, v, w = slides[0], slides[1], way
+        u, v, w = slides[0], slides[1], gap
         across += abs(u[j].real * v[k].real - u[k].real * v[j].real)
         along += abs(u[j].real * w[k].real - u[k].real * w[j].real)
         along += abs(v[j].real * w[k].real - v[k].real * w[j].real)
@@ -221,7 +221,7 @@ def _nearness(way, slides):
 
 
 @inline
-def _better(data, form, loop, between, cosine, sine, M, turns, way, slides, trial):
+def _better_posture(data, form, loop, between, cosine, sine, M, turns, gap, slides, trial):
     """Write the better of the two postures for a value of joint a, a simple zero or in a cluster.
 
     Returns the number of postures near the arm, and whether it is certain.  At a simple zero c is
@@ -237,22 +237,22 @@ def _better(data, form, loop, between, cosine, sine, M, turns, way, slides, tria
         # The third evaluation repeats the better of the first two.
         p, q = root(k, c, s, sign if number == 2 else 1.0 - 2.0 * number)
         turns_of(between, M, p, q, turns)
-        round_loop(data, form, loop, turns, way, slides)
-        off = abs(triple(way, slides[0], slides[1]))
+        closure_gap(data, form, loop, turns, gap, slides)
+        off = abs(triple(gap, slides[0], slides[1]))
         if off < least and number < 2:
             least, sign = off, 1.0 - 2.0 * number
     if not least < math.inf:
         return 0, False
-    near = _nearness(way, slides)
+    near = _nearness(gap, slides)
     if near == 0:
         # Unless axes are parallel, the directions of the slides are accurate.
         return 0, min(square, (1.0 - M[8]) * (1.0 + M[8])) > SLIDES_REGULAR
-    _enter(data, form, cosine, sine, turns, way, slides, trial)
+    _enter(data, form, cosine, sine, turns, gap, slides, trial)
     return 1, near > 0
 
 
 @inline
-def _without_hidden(data, form, loop, between, M, turns, way, slides, trials):
+def _three_slide_postures(data, form, loop, between, M, turns, gap, slides, trials):
     """Write the two postures of an arm with three slides; return how many, and if these are all."""
     demanded_turn(between, 1.0, 0.0, M)
     k, c, s = middle(between, M)
@@ -268,10 +268,10 @@ def _without_hidden(data, form, loop, between, M, turns, way, slides, trials):
         sign = 1.0 - 2.0 * number
         p, q = root(k, c, s, sign)
         turns_of(between, M, p, q, turns)
-        round_loop(data, form, loop, turns, way, slides)
+        closure_gap(data, form, loop, turns, gap, slides)
         # Slides in one plane may move while the tip does not.
         simple = simple and abs(triple(slides[0], slides[1], slides[2])) > SLIDES_REGULAR
-        _enter(data, form, 1.0, 0.0, turns, way, slides, trials[number])
+        _enter(data, form, 1.0, 0.0, turns, gap, slides, trials[number])
     return 2, simple
 
 
@@ -286,15 +286,17 @@ def slide_postures(data, form, back, seed, trials):
     between = np.empty((4, 9))
     M = np.empty(9)
     turns = np.empty((3, 2), np.complex128)
-    way = np.empty(3, np.complex128)
+    gap = np.empty(3, np.complex128)
     slides = np.empty((3, 3), np.complex128)
     read(data, form, back, loop, between)
     if data[at.SLIDES] == 3.0:
-        count, clean = _without_hidden(data, form, loop, between, M, turns, way, slides, trials)
+        count, clean = _three_slide_postures(
+            data, form, loop, between, M, turns, gap, slides, trials
+        )
         return count, clean, False
     roots = np.empty((MAX_ROOTS, 2))
     zeros, clean, void = _hidden_values(
-        data, form, loop, between, seed, roots, M, turns, way, slides
+        data, form, loop, between, seed, roots, M, turns, gap, slides
     )
     count = 0
     for k in range(zeros):
@@ -308,7 +310,9 @@ def slide_postures(data, form, back, seed, trials):
             break
         hidden = 0.5 * (low + high)
         c, s = math.cos(hidden), math.sin(hidden)
-        near, clear = _better(data, form, loop, between, c, s, M, turns, way, slides, trials[count])
+        near, clear = _better_posture(
+            data, form, loop, between, c, s, M, turns, gap, slides, trials[count]
+        )
         clean = clean and clear
         count += near
     return count, clean, void

@@ -63,7 +63,7 @@ NUDGED_AWAY = 0.2
 NUDGE_PARTS = (0.5, 0.25, 0.125, 0.06, 2e-2, 4e-3, 4e-4, 4e-5, 4e-6)
 
 # Strides of an additive low-discrepancy sequence in six joints: powers of the root of x^7 = x + 1.
-_SPREAD = tuple(1.1127756842787055 ** -(j + 1) for j in range(6))
+_STRIDES = tuple(1.1127756842787055 ** -(j + 1) for j in range(6))
 # Added to the bits of the rows reached.
 _IS_CLEAN = 1 << 16
 # Nudges of a pose: rotation (rad), and translation over the size, used in both senses.  The first
@@ -220,7 +220,7 @@ def _search(data, T, seed, q, marks, state):
     trial = np.empty(6)
     for k in range(GENERAL_STARTS):
         for j in range(6):
-            turn = wrapped(2.0 * math.pi * k * _SPREAD[j])
+            turn = wrapped(2.0 * math.pi * k * _STRIDES[j])
             if data[at.PACKED + 13 * j] == 0.0:
                 trial[j] = wrapped(seed[j] + turn)
             else:
@@ -230,7 +230,7 @@ def _search(data, T, seed, q, marks, state):
 
 
 @inline
-def _cleared(state):
+def _reset(state):
     """Reset ``state`` for a new pose, without loose postures; return it."""
     for k in range(STATE):
         state[k] = 0
@@ -244,7 +244,7 @@ def try_forms(data, T, seed):
 
     The effort is ``forms.EFFORT``, a count that does not depend on the machine.
     """
-    state = _cleared(np.empty(STATE, np.int64))
+    state = _reset(np.empty(STATE, np.int64))
     marks = np.empty(MAX_SOLUTIONS, np.int64)
     q = np.empty((MAX_SOLUTIONS, 6))
     clean, _ = _solve_at(data, T, seed, q, marks, state, q)
@@ -257,7 +257,7 @@ def solve_general(data, T, seed, q, branch):
 
     Returns their number, plus DOUBT if the list may be incomplete.
     """
-    state = _cleared(np.empty(STATE, np.int64))
+    state = _reset(np.empty(STATE, np.int64))
     marks = np.empty(MAX_SOLUTIONS, np.int64)
     packed = data[at.PACKED : at.HEAD].reshape(7, 13)
     size = data[at.SIZE]
