@@ -23,12 +23,12 @@ from robomech_ros._kernels.inverse.decoupled.arm_rows import (
     FREE_2,
     FREE_3,
     WIDTH,
-    aim,
+    add_angles,
     copy_row,
     cosine_of,
     enter_turn,
-    measure,
     sine_of,
+    update_cosines,
 )
 from robomech_ros._kernels.spatial.vectors import rotated
 from robomech_ros._kernels.tolerances import ACCEPTED, NEAR_DOUBLE, POLISH_ABOVE, SAME_POSTURE
@@ -87,7 +87,7 @@ def _candidates(data, c, seed, shift, arms):
         for i in range(count):
             _reverse(arms[i])
     for i in range(count):
-        measure(data, arms[i], values)
+        add_angles(data, arms[i], values)
     return count
 
 
@@ -152,7 +152,7 @@ def _improve_arm(data, arm, c, J, e, error):
             break
         for i in range(3):
             trial[i] = arm[i] + step[i]
-        aim(data, trial)
+        update_cosines(data, trial)
         arm_error(data, trial, c, J, e)
         found = math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
         better = found < error
@@ -160,7 +160,7 @@ def _improve_arm(data, arm, c, J, e, error):
             slow = found > 0.9 * error
             for i in range(3):
                 arm[i] = trial[i]
-            aim(data, arm)
+            update_cosines(data, arm)
             error = found
             if slow or error <= POLISH_ABOVE:
                 break
@@ -229,7 +229,7 @@ def step_aside(data, arm, J, amount):
         arm[0] += amount * x / best
         arm[1] += amount * y / best
         arm[2] += amount * z / best
-        aim(data, arm)
+        update_cosines(data, arm)
 
 
 @lean

@@ -36,7 +36,7 @@ def sine_of(row, j):
 
 @lean
 def enter_turn(row, j, cosine, sine):
-    """Enter cosine and sine of joint j; :func:`measure` adds the angle."""
+    """Enter cosine and sine of joint j; :func:`add_angles` adds the angle."""
     row[_TURNS + 2 * j] = cosine
     row[_TURNS + 2 * j + 1] = sine
 
@@ -50,7 +50,7 @@ def enter_slide(row, j, value):
 
 
 @lean
-def measure(data, row, free):
+def add_angles(data, row, free):
     """Add the angles of revolute joints, those of free joints from ``free``."""
     flags = int(row[FREE])
     for j in range(3):
@@ -60,7 +60,7 @@ def measure(data, row, free):
 
 
 @lean
-def aim(data, row):
+def update_cosines(data, row):
     """Update cosines and sines from the angles."""
     for j in range(3):
         if data[at.TYPES + j] == 0.0:

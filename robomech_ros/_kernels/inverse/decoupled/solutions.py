@@ -32,10 +32,10 @@ from robomech_ros._kernels.inverse.decoupled.arm_rows import (
     DETERMINANT,
     FREE,
     WIDTH,
-    aim,
     copy_row,
     cosine_of,
     sine_of,
+    update_cosines,
 )
 from robomech_ros._kernels.inverse.decoupled.wrist import (
     WRIST_BOUNDARY,
@@ -79,7 +79,7 @@ def _turn_back(arm, j, Q):
 
 
 @lean
-def _unturn(data, k, Q):
+def _rotated_back(data, k, Q):
     """Return R^T Q with R the rotation of the 3x4 transform at k."""
     a, b, c = Q[:3], Q[3:6], Q[6:]
     x = mixed((data[k], data[k + 4], data[k + 8]), a, b, c)
@@ -98,15 +98,15 @@ def _reduced_target(data, T):
     rows = data[j : j + 3], data[j + 3 : j + 6], data[j + 6 : j + 9]
     first, second, third = product((T[0], T[1], T[2]), rows)
     Q = first + second + third
-    return c, _unturn(data, k, Q)
+    return c, _rotated_back(data, k, Q)
 
 
 @lean
-def _left_over(data, arm, Q):
+def _wrist_rotation(data, arm, Q):
     """Return the rotation of the wrist: Q turned back by the first three joints and their links."""
-    Q = _unturn(data, at.C1, _turn_back(arm, 0, Q))
-    Q = _unturn(data, at.C2, _turn_back(arm, 1, Q))
-    return _unturn(data, at.C3, _turn_back(arm, 2, Q))
+    Q = _rotated_back(data, at.C1, _turn_back(arm, 0, Q))
+    Q = _rotated_back(data, at.C2, _turn_back(arm, 1, Q))
+    return _rotated_back(data, at.C3, _turn_back(arm, 2, Q))
 
 
 @lean
@@ -118,9 +118,9 @@ def _reachable_angle(data, arm, Q, j):
     """
     before = Q
     if j > 0:
-        before = _unturn(data, at.C1, _turn_back(arm, 0, before))
+        before = _rotated_back(data, at.C1, _turn_back(arm, 0, before))
     if j > 1:
-        before = _unturn(data, at.C2, _turn_back(arm, 1, before))
+        before = _rotated_back(data, at.C2, _turn_back(arm, 1, before))
     x, y, z = before[2], before[5], before[8]
     ax, ay, az = data[at.C3 + 2], data[at.C3 + 6], data[at.C3 + 10]
     for i in range(2, j, -1):
@@ -141,14 +141,14 @@ def _reachable_angle(data, arm, Q, j):
                 best = abs(turn)
                 value = arm[j] + turn
     arm[j] = value
-    aim(data, arm)
+    update_cosines(data, arm)
     return best < math.inf
 
 
 @lean
 def _wrist_of(data, arm, Q, free_angle, slack, parallel, angles):
     """Solve the wrist for an arm's posture; a free joint of the arm moves if necessary."""
-    left = _left_over(data, arm, Q)
+    left = _wrist_rotation(data, arm, Q)
     count, flags = spherical_wrist(data, left, free_angle, slack, parallel, angles)
     free = int(arm[FREE])
     if count > 0 or free == 0:
@@ -157,12 +157,12 @@ def _wrist_of(data, arm, Q, free_angle, slack, parallel, angles):
         if free & (1 << j) and data[at.TYPES + j] == 0.0:
             before = arm[j]
             if _reachable_angle(data, arm, Q, j):
-                left = _left_over(data, arm, Q)
+                left = _wrist_rotation(data, arm, Q)
                 count, flags = spherical_wrist(data, left, free_angle, ACCEPTED, parallel, angles)
             if count > 0:
                 break
             arm[j] = before
-            aim(data, arm)
+            update_cosines(data, arm)
     return count, flags
 
 

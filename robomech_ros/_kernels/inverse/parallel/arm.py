@@ -36,7 +36,7 @@ def _through_wrist(data, G, x, y, z, far, turns):
 
 
 @lean
-def carried(data, G, k, far, turns):
+def in_frame_f(data, G, k, far, turns):
     """Return the point or direction at ``k`` of the data after the motion of the parallel axes.
 
     It is in F; ``k`` is POINT with far = 1, HEADING with far = 0.  ``turns`` are cosine, sine and
@@ -158,7 +158,7 @@ def _turn_in_reach(data, G, seed, turns, six_free):
             turns = (ca, sa, da, c5, s5, d5, c, s, d6)
         else:
             turns = (ca, sa, da, c, s, d5, c6, s6, d6)
-        x, y, _ = carried(data, G, at.POINT, 1.0, turns)
+        x, y, _ = in_frame_f(data, G, at.POINT, 1.0, turns)
         circle = (circle[2], circle[3], circle[4], circle[5], x, y)
     return reached, turns
 
@@ -215,7 +215,7 @@ def lack_of_reach(data, G, seed, pair):
     bits, turns, _ = wrist_turns(data, G, seed, pair)
     if bits < 0:
         return data[at.SIZE]
-    px, py, _ = carried(data, G, at.POINT, 1.0, turns)
+    px, py, _ = in_frame_f(data, G, at.POINT, 1.0, turns)
     reach = math.sqrt(px * px + py * py)
     l1 = data[at.LINK_1]
     l2 = data[at.LINK_2]
@@ -251,8 +251,8 @@ def finish_pair(data, G, seed, pair, named, q, branch, errors, count):
     bits, turns, error = wrist_turns(data, G, seed, pair)
     if bits < 0:
         return count
-    px, py, pz = carried(data, G, at.POINT, 1.0, turns)
-    hx, hy, _ = carried(data, G, at.HEADING, 0.0, turns)
+    px, py, pz = in_frame_f(data, G, at.POINT, 1.0, turns)
+    hx, hy, _ = in_frame_f(data, G, at.HEADING, 0.0, turns)
     error = max(error, abs(pz))
     heading = angle_of(hy, hx)
     wrist = _wrist_values(data, turns)

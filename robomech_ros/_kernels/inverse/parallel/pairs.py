@@ -53,7 +53,7 @@ def equations(data, G):
 
 
 @lean
-def seen_from_axis_5(data, c, s):
+def z_in_frame_5(data, c, s):
     """Return (gamma, g_1, g_2), the components of z in frame 5 before its turn."""
     return (
         data[at.GAMMA] + data[at.GAMMA + 1] * c + data[at.GAMMA + 2] * s,
@@ -107,7 +107,7 @@ def separated(data, G):
 @lean
 def write_pair(data, c, s, known, other, bits, pair):
     """Write a pair from the known component of z and the open one."""
-    gamma, g1, g2 = seen_from_axis_5(data, c, s)
+    gamma, g1, g2 = z_in_frame_5(data, c, s)
     meeting = data[at.KIND] == at.INTERSECTING
     pair[0] = c
     pair[1] = s
@@ -125,7 +125,7 @@ def open_component(data, G, c, s, known):
 
     The lack is the excess of the known component over the length of both.
     """
-    _, g1, g2 = seen_from_axis_5(data, c, s)
+    _, g1, g2 = z_in_frame_5(data, c, s)
     radius = math.sqrt(g1 * g1 + g2 * g2)
     square = _other_component(data, G, c, s, known, radius)
     if square > 0.0:

@@ -17,7 +17,7 @@ from robomech_ros._kernels.inverse.parallel.pairs import (
     MAX_PAIRS,
     equations,
     moved_apart,
-    seen_from_axis_5,
+    z_in_frame_5,
 )
 from robomech_ros._kernels.tolerances import NEAR_DOUBLE, SAME_POSTURE
 
@@ -41,7 +41,7 @@ PARALLEL_TOUCHING = 1e-7
 
 
 @lean
-def _misfit(data, d, x, y):
+def _pair_errors(data, d, x, y):
     """Return cosines and sines of (q_a, q_5), v_1, v_2, and the errors of the two equations."""
     k1, c1, s1, k2, c2, s2 = d
     c = math.cos(x)
@@ -60,7 +60,7 @@ def _misfit(data, d, x, y):
 @lean
 def _error(data, d, x, y):
     """Return the sum of the errors of the two equations."""
-    _, _, _, _, _, _, f1, f2 = _misfit(data, d, x, y)
+    _, _, _, _, _, _, f1, f2 = _pair_errors(data, d, x, y)
     return abs(f1) + abs(f2)
 
 
@@ -96,7 +96,7 @@ def _polish_pair(data, d, x, y):
     best_y = kept_y = y
     dx = dy = 0.0
     for _ in range(60):
-        c, s, cy, sy, v1, v2, f1, f2 = _misfit(data, d, x, y)
+        c, s, cy, sy, v1, v2, f1, f2 = _pair_errors(data, d, x, y)
         found = abs(f1) + abs(f2)
         merit = abs(f1 / factor1) + abs(f2 / factor2)
         if found < error or merit < least:
@@ -139,7 +139,7 @@ def _keep_pair(data, d, x, y, determinant, pairs, count):
     """Enter a pair unless it is listed; return the number of pairs."""
     c = math.cos(x)
     s = math.sin(x)
-    gamma, g1, g2 = seen_from_axis_5(data, c, s)
+    gamma, g1, g2 = z_in_frame_5(data, c, s)
     cy = math.cos(y)
     sy = math.sin(y)
     v1 = g1 * cy + g2 * sy
@@ -167,7 +167,7 @@ def _keep_pair(data, d, x, y, determinant, pairs, count):
 @lean
 def _improve_pair(data, d, c, s, v1, v2, pairs, count):
     """Improve a candidate pair, given by q_a and z across axis 5, and enter it if it is one."""
-    _, g1, g2 = seen_from_axis_5(data, c, s)
+    _, g1, g2 = z_in_frame_5(data, c, s)
     x = angle_of(s, c)
     y = angle_of(g2 * v1 - g1 * v2, g1 * v1 + g2 * v2)
     x, y, error, determinant = _polish_pair(data, d, x, y)
@@ -187,7 +187,7 @@ def _add_pairs(data, d, c, s, pairs, count):
     k1, c1, s1, k2, c2, s2 = d
     factor1 = data[at.SIN_56]
     factor2 = data[at.NORMAL_56] / data[at.SIZE]
-    _, g1, g2 = seen_from_axis_5(data, c, s)
+    _, g1, g2 = z_in_frame_5(data, c, s)
     radius = math.sqrt(g1 * g1 + g2 * g2)
     first = (k1 + c1 * c + s1 * s) / factor1
     second = (k2 + c2 * c + s2 * s) / factor2

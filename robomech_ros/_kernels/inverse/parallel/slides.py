@@ -13,16 +13,11 @@ from robomech_ros._kernels.inverse.branch_bits import BOUNDARY, WRIST_SINGULAR
 from robomech_ros._kernels.inverse.parallel import layout as at
 from robomech_ros._kernels.inverse.parallel.arm import (
     PARALLEL_FREE,
-    carried,
+    in_frame_f,
     lack_of_reach,
     wrist_turns,
 )
-from robomech_ros._kernels.inverse.parallel.pairs import (
-    FREE,
-    equations,
-    seen_from_axis_5,
-    z_in_frame_6,
-)
+from robomech_ros._kernels.inverse.parallel.pairs import FREE, equations, z_in_frame_5, z_in_frame_6
 from robomech_ros._kernels.tolerances import NEAR_DOUBLE
 
 # Scan steps per length of the arm for a free slide if a rotation is also free.
@@ -68,10 +63,10 @@ def _slide_in_reach(data, G, seed, pair):
     start = seed[int(data[joint])]
     pair[8] = start + 1.0
     _, turns, _ = wrist_turns(data, G, seed, pair)
-    ux, uy, _ = carried(data, G, at.POINT, 1.0, turns)
+    ux, uy, _ = in_frame_f(data, G, at.POINT, 1.0, turns)
     pair[8] = start
     bits, turns, _ = wrist_turns(data, G, seed, pair)
-    x, y, _ = carried(data, G, at.POINT, 1.0, turns)
+    x, y, _ = in_frame_f(data, G, at.POINT, 1.0, turns)
     ux -= x
     uy -= y
     here = math.sqrt(x * x + y * y)
@@ -104,7 +99,7 @@ def _enter_slide(data, G, seed, v1, v2, c, s, bits, pair):
 
     Returns the distance of the pair from a solution (units of the size).
     """
-    gamma, g1, g2 = seen_from_axis_5(data, c, s)
+    gamma, g1, g2 = z_in_frame_5(data, c, s)
     _, _, _, k2, c2, s2 = equations(data, G)
     height = k2 + c2 * c + s2 * s - v2 * data[at.NORMAL_56] / data[at.SIZE]
     factor = data[at.COS_A]
@@ -156,7 +151,7 @@ def sliding_equation(data, G):
 @lean
 def write_sliding_pair(data, G, seed, c, s, wrist, bits, pair):
     """Write the pair of this q_a (and wrist, if axis a is prismatic); return its lack."""
-    gamma, g1, g2 = seen_from_axis_5(data, c, s)
+    gamma, g1, g2 = z_in_frame_5(data, c, s)
     if data[at.SLIDING] == at.SLIDE_5:
         return _enter_slide(data, G, seed, g1, g2, c, s, bits, pair)
     if data[at.SLIDING] == at.SLIDE_6:
