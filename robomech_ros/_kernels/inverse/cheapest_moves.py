@@ -15,7 +15,7 @@ _JUMP = 1e6
 
 
 @lean
-def _cost_of(packed, before, after, largest, least):
+def _move_cost(packed, before, after, largest, least):
     """Return the cost of a move, angles modulo a turn, or any cost above ``least``.
 
     It is the sum of squares, plus the cost of a jump if a joint moves more than ``largest``.
@@ -35,7 +35,7 @@ def _cost_of(packed, before, after, largest, least):
 
 
 @kernel(types.void(IN2, IN1, IN2, IN2, IN1, OUT1, IOUT1))
-def cheapest_moves(packed, costs, before, after, largest, totals, came):
+def cheapest_moves(packed, costs, before, after, largest, totals, predecessors):
     """Find the best predecessor of every solution.
 
     ``costs`` (k,) are those of the paths to the solutions ``before`` (k, n).  ``totals`` (l,)
@@ -44,10 +44,10 @@ def cheapest_moves(packed, costs, before, after, largest, totals, came):
     """
     for k in range(after.shape[0]):
         least = math.inf
-        came[k] = 0
+        predecessors[k] = 0
         for i in range(before.shape[0]):
-            total = costs[i] + _cost_of(packed, before[i], after[k], largest, least - costs[i])
+            total = costs[i] + _move_cost(packed, before[i], after[k], largest, least - costs[i])
             if total < least:
                 least = total
-                came[k] = i
+                predecessors[k] = i
         totals[k] = least

@@ -80,7 +80,7 @@ def _on_limit(value, lower, upper):
 
 
 @lean
-def place(turns, lower, upper, seed, bounded, q, placed):
+def nearest_winding(turns, lower, upper, seed, bounded, q, nearest):
     """Write q in the winding nearest to the seed; return False if ``bounded`` limits exclude it."""
     for i in range(q.shape[0]):
         value = _near(q[i], seed[i]) if turns[i] else q[i]
@@ -94,7 +94,7 @@ def place(turns, lower, upper, seed, bounded, q, placed):
             value = _on_limit(value, low, high)
         elif bounded:
             return False
-        placed[i] = value
+        nearest[i] = value
     return True
 
 
@@ -161,7 +161,7 @@ def insert(turns, q, name, distance, count, ranked):
 
 
 @lean
-def rank_body(request, q, branch, total, placed, order, away, ranked):
+def rank_body(request, q, branch, total, nearest, order, away, ranked):
     """Write each of ``total`` solutions once, in the winding nearest to the seed, nearest first.
 
     If ``ranked`` has too few rows, only the nearest solutions are written.  ``nearest``, ``order``
@@ -171,8 +171,8 @@ def rank_body(request, q, branch, total, placed, order, away, ranked):
     rows, names, distances = ranked
     count = ZERO
     for k in range(total):
-        if place(turns, lower, upper, seed, bounded, q[k], placed[k]):
-            distance = distance_from(placed[k], seed, metric)
+        if nearest_winding(turns, lower, upper, seed, bounded, q[k], nearest[k]):
+            distance = distance_from(nearest[k], seed, metric)
             row = count
             while row > 0 and away[row - 1] > distance:
                 away[row], order[row] = away[row - 1], order[row - 1]
@@ -181,7 +181,7 @@ def rank_body(request, q, branch, total, placed, order, away, ranked):
             count += 1
     kept = ZERO
     for i in range(count):
-        one = placed[order[i]]
+        one = nearest[order[i]]
         if kept == rows.shape[0]:
             break
         if is_listed(turns, one, away[i], kept, ranked):
@@ -238,16 +238,16 @@ def rank(turns, lower, upper, seed, metric, bounded, winding, q, branch, ranked,
     total = q.shape[0]
     if not winding:
         request = Request(turns, lower, upper, seed, metric, bounded)
-        placed, order, away = np.empty(q.shape), np.empty(total, np.int64), np.empty(total)
+        nearest, order, away = np.empty(q.shape), np.empty(total, np.int64), np.empty(total)
         into = Ranked(ranked, names, distances)
-        return rank_body(request, q, branch, total, placed, order, away, into)
+        return rank_body(request, q, branch, total, nearest, order, away, into)
     one, wound = np.empty(q.shape[1]), np.empty(q.shape[1])
     # Windings of one posture count as different solutions.
     none_turns = np.zeros(q.shape[1], np.int64)
     into = Ranked(ranked, names, distances)
     count = ZERO
     for k in range(total):
-        if not place(turns, lower, upper, seed, bounded, q[k], one):
+        if not nearest_winding(turns, lower, upper, seed, bounded, q[k], one):
             continue
         for number in range(int(_count_windings(turns, lower, upper, one))):
             _wound(turns, lower, upper, number, one, wound)

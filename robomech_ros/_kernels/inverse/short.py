@@ -26,7 +26,7 @@ _STEPS = np.int64(30)
 
 
 @inline
-def _stays(data, found):
+def _virtual_joints_vanish(data, found):
     """Return whether the virtual joints are near enough to zero for Newton steps to decide."""
     for i in range(6):
         if data[at.ARM_JOINTS + i] < 0.0:
@@ -40,7 +40,7 @@ def _stays(data, found):
 
 
 @inline
-def _entered(data, packed, T, found, q, errors, count):
+def _enter(data, packed, T, found, q, errors, count):
     """Append the arm's joints to the solutions if they solve the pose and are new.
 
     Of two neighbouring postures that only approximate the pose, the better one is stored.
@@ -79,7 +79,7 @@ def _entered(data, packed, T, found, q, errors, count):
 
 
 @inline
-def _leave_exact(q, errors, count):
+def _drop_approximate(q, errors, count):
     """Drop approximate solutions if there are exact ones; return the number of solutions."""
     least = math.inf
     for k in range(count):
@@ -138,11 +138,11 @@ def solve_short(data, T, seed, q, branch):
         for k in range(total % DOUBT):
             free = marks[k] & bit.CONTINUUM != 0
             singular = singular or free
-            if count < q.shape[0] and (free or _stays(data, found[k])):
-                count = _entered(data, packed, T, found[k], q, errors, count)
+            if count < q.shape[0] and (free or _virtual_joints_vanish(data, found[k])):
+                count = _enter(data, packed, T, found[k], q, errors, count)
         if not singular:
             break
-    count = _leave_exact(q, errors, count)
+    count = _drop_approximate(q, errors, count)
     for k in range(count):
         branch[k] = bit.UNNAMED
         if singular and count > SHORT_CONTINUUM:

@@ -16,7 +16,7 @@ from robomech_ros._kernels.inverse.ranking import (
     Request,
     distance_from,
     insert,
-    place,
+    nearest_winding,
     rank_body,
 )
 from robomech_ros._kernels.inverse.short import solve_short
@@ -62,7 +62,7 @@ class _Space(NamedTuple):
 
     q: Any
     marks: Any
-    placed: Any
+    nearest: Any
     missing: Any
     away: Any
 
@@ -93,7 +93,7 @@ def _excluded(request, q, branch, total, space):
     count = 0
     for k in range(total):
         if branch[k] & bit.CONTINUUM:
-            if not place(turns, lower, upper, seed, _BOUNDED, q[k], space.placed):
+            if not nearest_winding(turns, lower, upper, seed, _BOUNDED, q[k], space.nearest):
                 space.missing[count] = branch[k]
                 count += 1
     return count
@@ -106,14 +106,14 @@ def _add_missing(request, space, ranked, state):
     ``state`` holds the numbers of postures in the space, missing branches and ranked solutions.
     """
     turns, lower, upper, seed, metric, _ = request
-    q, branch, placed, missing, _ = space
+    q, branch, nearest, missing, _ = space
     for m in range(state[BARE]):
         for j in range(state[MISSING]):
             if missing[j] != branch[m]:
                 continue
-            if place(turns, lower, upper, seed, _BOUNDED, q[m], placed):
-                distance = distance_from(placed, seed, metric)
-                count = insert(turns, placed, branch[m], distance, state[RANKED], ranked)
+            if nearest_winding(turns, lower, upper, seed, _BOUNDED, q[m], nearest):
+                distance = distance_from(nearest, seed, metric)
+                count = insert(turns, nearest, branch[m], distance, state[RANKED], ranked)
                 state[RANKED] = count
                 state[MISSING] -= 1
                 missing[j] = missing[state[MISSING]]

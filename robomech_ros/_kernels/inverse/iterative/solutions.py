@@ -78,7 +78,7 @@ def _distance(rows, p, q):
 
 
 @inline
-def _entered(data, rows, q, sharp, solutions, marks, found):
+def _enter(data, rows, q, sharp, solutions, marks, found):
     """Enter q unless it is listed; return the number of solutions, or NOT_NEW.
 
     Loose tolerances admit a whole neighbourhood of a posture, of which one solution is entered,
@@ -161,7 +161,7 @@ def search(data, T, seed, first, restarts, q, found, state):
                 state[at.BEST_Q + i] = x[i]
         if score <= 1.0:
             sharp = linear <= POSITION_TOLERANCE and angular <= ORIENTATION_TOLERANCE
-            more = _entered(data, rows, x, sharp, q, state[at.BEST_Q + n :], found)
+            more = _enter(data, rows, x, sharp, q, state[at.BEST_Q + n :], found)
             if more != NOT_NEW:
                 found = more
                 state[at.IDLE] = 0.0

@@ -68,7 +68,7 @@ def to_wrist(packed, parts, cosine, sine):
 
 
 @inline
-def _side(along, v):
+def _perpendicular(along, v):
     """Return direction and length of the component of v perpendicular to unit vector ``along``."""
     part = dot(along, v)
     x, y, z = v[0] - part * along[0], v[1] - part * along[1], v[2] - part * along[2]
@@ -83,7 +83,7 @@ def arm_triad(packed, parts, p):
     inverse = 1.0 / math.sqrt(dot(p, p))
     along = _scaled(p, inverse)
     axis = (packed[3, 3], packed[3, 6], packed[3, 9])
-    side, _ = _side(along, cross(axis, along))
+    side, _ = _perpendicular(along, cross(axis, along))
     ex, ey, ez = _vector(parts, at.ELBOW)
     sx, sy, sz = _vector(parts, at.CENTRE_3)
     if dot(side, (ex - sx, ey - sy, ez - sz)) < 0.0:
@@ -96,9 +96,9 @@ def base_triad(parts, d):
     """Return axes in the base: to the wrist, the reference perpendicular to it, their normal."""
     inverse = 1.0 / math.sqrt(dot(d, d))
     along = _scaled(d, inverse)
-    side, length = _side(along, _vector(parts, at.REFERENCE))
+    side, length = _perpendicular(along, _vector(parts, at.REFERENCE))
     if length < ON_BOUNDARY:
-        side, length = _side(along, _vector(parts, at.OTHER))
+        side, length = _perpendicular(along, _vector(parts, at.OTHER))
     return along, side, cross(along, side)
 
 
@@ -130,7 +130,7 @@ def rows_of(packed, row):
 
 
 @inline
-def left_for_wrist(packed, T, R, cosine, sine):
+def wrist_rotation(packed, T, R, cosine, sine):
     """Return Rz(q_5) C_5 Rz(q_6) C_6 Rz(q_7), the remaining rotation, in nine numbers."""
     # R C_3 Rz(q_4) C_4.
     a, b, c = rows_of(packed, 4)
@@ -211,7 +211,7 @@ def arm_angle_postures(data, T, seed, angle, q, branch):
         )
         if n == 0:
             continue
-        rest = left_for_wrist(packed, T, R, c, s)
+        rest = wrist_rotation(packed, T, R, c, s)
         m, _ = spherical_wrist(
             wrist, rest, seed[4] + parts[at.WRIST], ACCEPTED, PARALLEL_AXES, lasts
         )

@@ -8,8 +8,8 @@ import math
 
 from robomech_ros._kernels.algebra.dense import cholesky_again
 from robomech_ros._kernels.compiling.jit import lean, scratch
-from robomech_ros._kernels.inverse.ranking import place
-from robomech_ros._kernels.inverse.redundant.settling import copy, put_on
+from robomech_ros._kernels.inverse.ranking import nearest_winding
+from robomech_ros._kernels.inverse.redundant.settling import copy, move_onto
 
 # Branches cross, or pass closely, if a parabola through three squared smallest singular values
 # (rad or m per rad) has a minimum below the square of this.
@@ -34,12 +34,12 @@ def _normalise(v, n):
 
 
 @lean
-def weakest_direction(bench, u, v):
+def weakest_direction(space, u, v):
     """Write the unit direction v (7,) of least tip motion; return the size of that motion.
 
     Self-motions are excluded.  The iteration starts from the tip motion u (6,) and updates it.
     """
-    J, _, _, _, A, _ = bench
+    J, _, _, _, A, _ = space
     for _ in range(_ROUNDS):
         cholesky_again(A, u, 6)
         _normalise(u, 6)
@@ -66,7 +66,7 @@ def passes_crossing(before, here, ahead, past, length):
 
 
 @lean
-def enter_crossing(packed, T, request, bench, along, beside, centre, queue, queued):
+def enter_crossing(packed, T, request, space, along, weak, centre, queue, queued):
     """Queue postures of the pose around ``centre`` (7,); return the number of queued postures.
 
     ``along`` (7,) is the direction of the self-motion, ``weak`` (7,) the weakest other one.
@@ -81,14 +81,14 @@ def enter_crossing(packed, T, request, bench, along, beside, centre, queue, queu
         angle = 2.0 * math.pi * (k + 0.5) / AROUND
         c, s = RADIUS * math.cos(angle), RADIUS * math.sin(angle)
         for i in range(7):
-            q[i] = centre[i] + c * unit[i] + s * beside[i]
-            g[i] = beside[i]
-        if not put_on(packed, T, bench, g, q):
+            q[i] = centre[i] + c * unit[i] + s * weak[i]
+            g[i] = weak[i]
+        if not move_onto(packed, T, space, g, q):
             continue
         off = 0.0
         for i in range(7):
             off = max(off, abs(q[i] - centre[i]))
         if off < OFF_CIRCLE:
-            place(turns, lower, upper, seed, False, q, queue[queued])
+            nearest_winding(turns, lower, upper, seed, False, q, queue[queued])
             queued += 1
     return queued

@@ -32,13 +32,13 @@ NEAREST_FARTHEST = 10.0
 _LONGEST = 0.5
 _LONGEST_CORRECTION = 1.0
 # A joint that moves less than this fraction of the others is not moved into its limits.
-_STANDING = 1e-6
+_NEGLIGIBLE = 1e-6
 # If the farthest joint moves less than this fraction, another vector gives the direction.
-_HARDLY = 0.1
-_ANY = (0.6, -0.5, 0.4, 0.7, -0.4, 0.5, 0.6)
+_SMALL_MOTION = 0.1
+_ANY_DIRECTION = (0.6, -0.5, 0.4, 0.7, -0.4, 0.5, 0.6)
 # Near singular postures a correction may undo part of a step.  If it undoes more than this
 # fraction, the next step is shorter by this factor.
-_MUCH_UNDONE, _SHORTER = 0.25, 0.4
+_UNDONE_LIMIT, _SHORTER = 0.25, 0.4
 # Largest number of cuts for the minimum of the largest of about a dozen lines; a few suffice.
 _CUTS = 32
 _ROUNDING = 1e-12
@@ -103,7 +103,7 @@ def best_step(request, q, rates, longest):
 
 
 @lean
-def _wish(q, seed, metric, g):
+def _descent_direction(q, seed, metric, g):
     """Write the direction of steepest descent of the distance from the seed."""
     n = q.shape[0]
     if metric != LINF:
@@ -119,7 +119,7 @@ def _wish(q, seed, metric, g):
 
 
 @lean
-def _length(q, seed, metric, t, lower, upper, bounded):
+def _step_length(q, seed, metric, t, lower, upper, bounded):
     """Return the step along t, into the limits; at most _LONGEST in every joint."""
     largest = 0.0
     for i in range(q.shape[0]):
@@ -130,7 +130,7 @@ def _length(q, seed, metric, t, lower, upper, bounded):
     low, high = -longest, longest
     if bounded:
         for i in range(q.shape[0]):
-            if abs(t[i]) > _STANDING * largest:
+            if abs(t[i]) > _NEGLIGIBLE * largest:
                 one, other = (lower[i] - q[i]) / t[i], (upper[i] - q[i]) / t[i]
                 low = max(low, min(one, other))
                 high = min(high, max(one, other))
@@ -197,17 +197,17 @@ def _project(J, A, y, g):
 @lean
 def _direction(J, A, y, q, seed, metric, g):
     """Write the direction of the self-motion that reduces the distance from the seed."""
-    _wish(q, seed, metric, g)
+    _descent_direction(q, seed, metric, g)
     largest = _project(J, A, y, g)
-    if q.shape[0] == 7 and metric == LINF and largest < _HARDLY:
+    if q.shape[0] == 7 and metric == LINF and largest < _SMALL_MOTION:
         # The farthest joint hardly moves: another vector gives the only direction more accurately.
         for k in range(7):
-            g[k] = _ANY[k]
+            g[k] = _ANY_DIRECTION[k]
         _project(J, A, y, g)
 
 
 @lean
-def direction_like(J, A, y, way, g):
+def direction_like(J, A, y, sense, g):
     """Write the direction of the self-motion of seven joints nearest to g (7,) to g.
 
     If g is zero, ``sense`` gives its sense.  The joint that moves most moves by 1; returns False
@@ -218,7 +218,7 @@ def direction_like(J, A, y, way, g):
         largest = max(largest, abs(g[k]))
     if largest == 0.0:
         for k in range(7):
-            g[k] = way * _ANY[k]
+            g[k] = sense * _ANY_DIRECTION[k]
     largest = _project(J, A, y, g)
     if largest < ON_BOUNDARY:
         return False
@@ -228,7 +228,7 @@ def direction_like(J, A, y, way, g):
 
 
 @lean
-def _held_back(s, q, seed, metric, g, before, fall, undone):
+def _shortened_step(s, q, seed, metric, g, before, fall, undone):
     """Shorten a step s along g that reverses the last one, to where the slope is zero.
 
     ``fall`` is the slope at which the distance fell along the last step, ``before`` (n,).  The step
@@ -250,7 +250,7 @@ def _held_back(s, q, seed, metric, g, before, fall, undone):
     most = math.inf
     if back < 0.0 and now + fall > 0.0:
         most = math.sqrt(lengths) / size * now / (now + fall)
-    if undone > _MUCH_UNDONE:
+    if undone > _UNDONE_LIMIT:
         most = min(most, _SHORTER * math.sqrt(lengths) / size)
     return min(max(s, -most), most), now
 
@@ -295,8 +295,8 @@ def approach(packed, T, lower, upper, seed, metric, bounded, q):
         undone = correct(J, e, before, q)
         if not settled:
             _direction(J, A, y, q, seed, metric, g)
-            s = _length(q, seed, metric, g, lower, upper, bounded)
-            s, fall = _held_back(s, q, seed, metric, g, before, fall, undone)
+            s = _step_length(q, seed, metric, g, lower, upper, bounded)
+            s, fall = _shortened_step(s, q, seed, metric, g, before, fall, undone)
             largest = 0.0
             for k in range(n):
                 before[k] = s * g[k]

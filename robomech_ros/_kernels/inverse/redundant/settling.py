@@ -35,12 +35,12 @@ OUTSIDE = 1e6
 
 
 @lean
-def step_onto(packed, T, way, bench, g, q):
+def step_onto(packed, T, sense, space, g, q):
     """Correct the pose of q (7,) once and project g (7,) onto the self-motion.
 
     Returns the error before the correction, infinite on failure.
     """
-    J, current, e, y, A, none = bench
+    J, current, e, y, A, none = space
     jacobian_body(packed, q, J, current)
     pose_difference(T, current, e)
     error = largest_error(e)
@@ -54,7 +54,7 @@ def step_onto(packed, T, way, bench, g, q):
     if not cholesky_solve(A, e, 6):
         return math.inf
     correct(J, e, none, q)
-    return error if direction_like(J, A, y, way, g) else math.inf
+    return error if direction_like(J, A, y, sense, g) else math.inf
 
 
 @lean
@@ -95,10 +95,10 @@ def _measured(request, q, g):
 
 
 @lean
-def put_on(packed, T, bench, g, q):
+def move_onto(packed, T, space, g, q):
     """Correct q (7,) to the self-motion, and g (7,) to its direction; return False on failure."""
     for _ in range(SETTLE_CORRECTIONS):
-        error = step_onto(packed, T, 1.0, bench, g, q)
+        error = step_onto(packed, T, 1.0, space, g, q)
         if error < SETTLE_ERROR:
             return True
         if error > TRACE_ERROR:
@@ -125,7 +125,7 @@ def _part_between(first, last, length):
 
 
 @lean
-def settle(packed, T, request, bench, g, q):
+def settle(packed, T, request, space, g, q):
     """Move q (7,) to the next minimum of the distance; return the distance, infinite if none.
 
     Downhill steps bracket the minimum.  The bracket is then cut where the tangents at both ends
@@ -133,21 +133,21 @@ def settle(packed, T, request, bench, g, q):
     """
     _, lower, upper, seed, metric, _ = request
     a, b, ga, gb = scratch(7), scratch(7), scratch(7), scratch(7)
-    if not put_on(packed, T, bench, g, q):
+    if not move_onto(packed, T, space, g, q):
         return math.inf
     copy(q, a)
     first = _measured(request, a, g)
-    way = -1.0 if first[1] > 0.0 else 1.0
+    sense = -1.0 if first[1] > 0.0 else 1.0
     for i in range(7):
-        ga[i] = way * g[i]
-    first = first[0], way * first[1], first[2]
+        ga[i] = sense * g[i]
+    first = first[0], sense * first[1], first[2]
     last, length, found = first, SETTLE_STEP, False
     for _ in range(SETTLE_STEPS):
         if first[0] >= OUTSIDE and first[1] < 0.0:
             length = min(max(length, (OUTSIDE - first[0]) / first[1]), SETTLE_MOST)
         for i in range(7):
             b[i], gb[i] = a[i] + length * ga[i], ga[i]
-        if not put_on(packed, T, bench, gb, b):
+        if not move_onto(packed, T, space, gb, b):
             break
         last = _measured(request, b, gb)
         found = last[0] >= first[0] or last[1] > 0.0
@@ -168,7 +168,7 @@ def settle(packed, T, request, bench, g, q):
         for i in range(7):
             q[i] = a[i] + part * (b[i] - a[i])
             g[i] = ga[i]
-        if not put_on(packed, T, bench, g, q):
+        if not move_onto(packed, T, space, g, q):
             break
         here = _measured(request, q, g)
         if here[0] < first[0] and here[1] < 0.0:
@@ -185,7 +185,7 @@ def settle(packed, T, request, bench, g, q):
         copy(b, a)
     copy(a, q)
     for _ in range(FINISH_STEPS):
-        error = step_onto(packed, T, 1.0, bench, g, q)
+        error = step_onto(packed, T, 1.0, space, g, q)
         value, slope, _ = _measured(request, q, g)
         if value >= OUTSIDE and abs(slope) > SETTLE_EDGE:
             # Rounding has moved the posture off the limit.

@@ -16,7 +16,13 @@ from robomech_ros._kernels.compiling.jit import (
 )
 from robomech_ros._kernels.compiling.types import IN1, IN3, IOUT1, OUT1, OUT3, ZERO, i8
 from robomech_ros._kernels.inverse import branch_bits as bit
-from robomech_ros._kernels.inverse.ranking import Ranked, Request, distance_from, insert, place
+from robomech_ros._kernels.inverse.ranking import (
+    Ranked,
+    Request,
+    distance_from,
+    insert,
+    nearest_winding,
+)
 from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.redundant.arm_angle import call_arm_angle
 from robomech_ros._kernels.inverse.redundant.nearest import approach
@@ -100,14 +106,14 @@ def _enter(request, q, name, count, starts):
     Returns the number of starts, and its distance from the seed, infinite outside the limits.
     """
     turns, lower, upper, seed, metric, _ = request
-    place(turns, lower, upper, seed, False, q, q)
+    nearest_winding(turns, lower, upper, seed, False, q, q)
     here = distance_from(q, seed, metric)
     count = insert(turns, q, name, here, count, starts)
     return count, here if _is_inside(request, q) else math.inf
 
 
 @lean
-def _take_samples(data, T, request, nearest, steps, bench, distance, starts):
+def _take_samples(data, T, request, nearest, steps, space, distance, starts):
     """Add the postures of samples to the ``starts``, in the windings nearest to the seed.
 
     If only the ``nearest`` is requested, samples farther from the seed than the nearest known
@@ -115,12 +121,12 @@ def _take_samples(data, T, request, nearest, steps, bench, distance, starts):
     limits.
     """
     turns, lower, upper, seed, metric, _ = request
-    q, branch, locked, best, _ = bench
+    q, branch, locked, best, _ = space
     count, known = ZERO, distance < math.inf
     if known:
         count = insert(turns, best, _NAME, distance, count, starts)
     if data[at.KIND] == at.ARM_ANGLE or (data[at.ANGLE] > 0.0 and nearest):
-        return _take_angles(data, T, request, nearest, steps, bench, distance, starts, count)
+        return _take_angles(data, T, request, nearest, steps, space, distance, starts, count)
     within, beyond = distance if nearest else math.inf, 0.0
     if nearest and not distance < small_distance(metric):
         # Take a few samples within the distance to either side, and one beyond: a branch may start
@@ -144,19 +150,19 @@ def _take_samples(data, T, request, nearest, steps, bench, distance, starts):
                 distance = min(distance, here)
                 within = min(within, distance) if nearest else within
     if data[at.ANGLE] > 0.0:
-        return _take_angles(data, T, request, nearest, steps, bench, distance, starts, count)
+        return _take_angles(data, T, request, nearest, steps, space, distance, starts, count)
     return count, distance
 
 
 @lean
-def _take_angles(data, T, request, nearest, steps, bench, distance, starts, count):
+def _take_angles(data, T, request, nearest, steps, space, distance, starts, count):
     """Add the postures of samples of the arm angle to the ``starts``.
 
     Postures of an idealised arm are INEXACT.  Returns the number of starts, and the least distance
     of one inside the limits.
     """
     _, _, _, seed, metric, _ = request
-    q, branch, locked, best, _ = bench
+    q, branch, locked, best, _ = space
     idealised = data[at.KIND] != at.ARM_ANGLE
     if idealised:
         data = data[int(data[at.ANGLE]) :]
@@ -182,14 +188,14 @@ def _needs_scatter(data, metric, known):
 
 
 @lean
-def _scatter(packed, T, request, bench, distance, count, starts):
+def _scatter(packed, T, request, space, distance, count, starts):
     """Add postures reached from a box around the seed to the ``starts``.
 
     Half the width of the box is the ``distance`` of the nearest known posture.  Returns the number
     of starts, and the least distance of one inside the limits.
     """
     _, lower, upper, seed, metric, bounded = request
-    q, _, _, _, _ = bench
+    q, _, _, _, _ = space
     root, size = 1.0, min(distance, math.pi)
     for _ in range(32):
         root = (1.0 + root) ** 0.125
@@ -228,20 +234,20 @@ def _approach_first(packed, T, request, count, ranked):
 
 
 @inline
-def _solve_pose(data, T, request, nearest, traced, joints, bench, starts, ranked):
+def _solve_pose(data, T, request, nearest, traced, joints, space, starts, ranked):
     """Rank the nearest posture and those of all samples.
 
     Returns the number inside the limits and the number of all.  If only the ``nearest`` is
     requested, samples farther from the seed are skipped.  Self-motions are followed if ``traced``;
     with more than seven joints the first few samples are moved along them.  ``joints`` is that of
-    :func:`.trace_nearest`, ``bench`` is working space.
+    :func:`.trace_nearest`, ``space`` is working space.
     """
     turns, lower, upper, seed, metric, bounded = request
-    _, _, locked, best, traces = bench
+    _, _, locked, best, traces = space
     n = seed.shape[0]
     packed = data[at.PARTS : at.PARTS + 13 * (n + 1)].reshape((n + 1, 13))
     distance = _approach_from_seed(packed, T, request, locked, best)
-    if distance < math.inf and place(turns, lower, upper, seed, bounded, best, best):
+    if distance < math.inf and nearest_winding(turns, lower, upper, seed, bounded, best, best):
         distance = distance_from(best, seed, metric)
     else:
         # Steps that fail leave an invalid posture.
@@ -251,9 +257,9 @@ def _solve_pose(data, T, request, nearest, traced, joints, bench, starts, ranked
     total, count = ZERO, ZERO
     rows, marks, away = starts
     for _ in range(2):
-        total, known = _take_samples(data, T, request, nearest, steps, bench, distance, starts)
+        total, known = _take_samples(data, T, request, nearest, steps, space, distance, starts)
         if traced and _needs_scatter(data, metric, known):
-            total, known = _scatter(packed, T, request, bench, known, total, starts)
+            total, known = _scatter(packed, T, request, space, known, total, starts)
         if traced:
             for k in range(total if known < distance else 0):
                 if away[k] == known:
@@ -277,7 +283,7 @@ def _solve_pose(data, T, request, nearest, traced, joints, bench, starts, ranked
             count = insert(turns, best, _NAME, distance, count, ranked)
         for k in range(total):
             if marks[k] != INEXACT and _is_inside(request, rows[k]):
-                place(turns, lower, upper, seed, bounded, rows[k], rows[k])
+                nearest_winding(turns, lower, upper, seed, bounded, rows[k], rows[k])
                 count = insert(turns, rows[k], marks[k], away[k], count, ranked)
         if count > 0:
             break
@@ -314,10 +320,10 @@ def solve_redundant(arm, T, seed, asked, ranked, names, distances, counts):
         high[i] = upper[i] if bounded else math.inf
         joints[0, i], joints[1, i], joints[2, i], joints[3, i] = turns[i], low[i], high[i], seed[i]
     request = Request(turns, low, high, seed, metric, bounded)
-    bench = q, branch, locked, best, np.empty((TRACES, 28))
+    space = q, branch, locked, best, np.empty((TRACES, 28))
     for m in range(T.shape[0]):
         into = Ranked(ranked[m], names, distances)
-        count, bare = _solve_pose(data, T[m], request, nearest, traced, joints, bench, starts, into)
+        count, bare = _solve_pose(data, T[m], request, nearest, traced, joints, space, starts, into)
         counts[m] = count if bare > 0 else NONE_EXISTS
         for k in range(count, ranked.shape[1]):
             for i in range(n):

@@ -11,7 +11,7 @@ import numpy as np
 
 from robomech_ros._kernels.compiling.jit import flat, lean, part, scratch
 from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, OUT2, b1, f8, i8
-from robomech_ros._kernels.inverse.ranking import LINF, distance_from, place
+from robomech_ros._kernels.inverse.ranking import LINF, distance_from, nearest_winding
 from robomech_ros._kernels.inverse.redundant.crossings import (
     CROSSING,
     enter_crossing,
@@ -79,7 +79,7 @@ def _on_cubic(ends, length, s, q):
 
 
 @lean
-def _reach(ends):
+def _chord(ends):
     """Return the largest move of a joint between two postures."""
     length = 0.0
     for i in range(7):
@@ -119,7 +119,7 @@ def _nearest_in_parts(request, ends, least, found):
     """
     _, _, _, seed, metric, _ = request
     p, move, here = scratch(7), scratch(7), scratch(7)
-    length = _reach(ends)
+    length = _chord(ends)
     copy(ends[0], p)
     for k in range(TRACE_PARTS):
         _on_cubic(ends, length, (k + 1) / TRACE_PARTS, here)
@@ -135,13 +135,13 @@ def _nearest_in_parts(request, ends, least, found):
 
 
 @lean
-def _off_known(known, count, q):
+def _distance_from_known(known, count, q):
     """Return the distance of a posture from the traced steps (rad or m), at most TRACE_NEAR."""
     p = scratch(7)
     least = TRACE_NEAR
     for k in range(count):
         ends = known[k]
-        length = _reach(ends)
+        length = _chord(ends)
         along = squares = 0.0
         far = False
         for i in range(7):
@@ -164,21 +164,21 @@ def _off_known(known, count, q):
 
 
 @lean
-def _settled(packed, T, request, bench, found, g, distance, best):
+def _settled(packed, T, request, space, found, g, distance, best):
     """Settle ``found`` (7,), with self-motion along g (7,), and copy it to ``best`` if nearer.
 
     Returns the least distance, that of ``best`` (7,).
     """
     along = scratch(7)
     copy(g, along)
-    settled = settle(packed, T, request, bench, along, found)
+    settled = settle(packed, T, request, space, along, found)
     if settled < distance:
         copy(found, best)
     return min(settled, distance)
 
 
 @lean
-def _improve(packed, T, request, bench, q, g, distance, best):
+def _improve(packed, T, request, space, q, g, distance, best):
     """Settle a posture q (7,) that is as near as the ``best`` one unless it is a minimum."""
     _, _, _, seed, metric, _ = request
     found = scratch(7)
@@ -186,12 +186,12 @@ def _improve(packed, T, request, bench, q, g, distance, best):
     for i in range(7):
         found[i] = q[i] + s * g[i]
     if distance_from(found, seed, metric) < distance - NEARER_BY:
-        distance = _settled(packed, T, request, bench, found, g, distance, best)
+        distance = _settled(packed, T, request, space, found, g, distance, best)
     return distance
 
 
 @lean
-def _look_between(packed, T, request, bench, ends, distance, best):
+def _settle_between(packed, T, request, space, ends, distance, best):
     """Settle the postures between two that may be nearer than the ``best`` one (7,).
 
     Returns the least distance, that of ``best``.
@@ -211,12 +211,12 @@ def _look_between(packed, T, request, bench, ends, distance, best):
             for i in range(7):
                 away = max(away, abs(found[k, i] - best[i]))
             if away > TRACE_AGAIN:
-                distance = _settled(packed, T, request, bench, found[k], ends[3], distance, best)
+                distance = _settled(packed, T, request, space, found[k], ends[3], distance, best)
     return distance
 
 
 @lean
-def _advance(packed, T, bench, ends, bent, length):
+def _advance(packed, T, space, ends, bent, length):
     """Write the posture a step ahead and the direction there to ``ends[2:]``.
 
     ``bent`` (7,) is half the rate of change of the direction.  Returns the length of the step,
@@ -227,7 +227,7 @@ def _advance(packed, T, bench, ends, bent, length):
         for i in range(7):
             q[i] = ends[0, i] + length * (ends[1, i] + length * bent[i])
             g[i] = ends[1, i]
-        lost = step_onto(packed, T, 1.0, bench, g, q) > TRACE_ERROR
+        lost = step_onto(packed, T, 1.0, space, g, q) > TRACE_ERROR
         turned = 0.0
         for i in range(7):
             turned = max(turned, abs(g[i] - ends[1, i]))
@@ -243,7 +243,7 @@ def _rewind(request, ends):
     """Move both postures to the second one's nearest winding; return whether they moved."""
     turns, lower, upper, seed, _, _ = request
     wound, moved = scratch(7), False
-    place(turns, lower, upper, seed, False, ends[2], wound)
+    nearest_winding(turns, lower, upper, seed, False, ends[2], wound)
     for i in range(7):
         turn = wound[i] - ends[2, i]
         if abs(turn) > 1.0:
@@ -254,7 +254,7 @@ def _rewind(request, ends):
 
 
 @flat
-def _begin_trace(packed, T, bench, start, known, count, begin, ahead, push, weak):
+def _begin_trace(packed, T, space, start, known, count, begin, ahead, push, weak):
     """Correct ``start`` (7,) to the pose; return the smallest singular value there.
 
     Writes that posture, the direction of its self-motion, the motion of the tip ``push`` (6,) and
@@ -265,10 +265,10 @@ def _begin_trace(packed, T, bench, start, known, count, begin, ahead, push, weak
         ahead[i] = 0.0
     for i in range(6):
         push[i] = 1.0
-    if step_onto(packed, T, 1.0, bench, ahead, begin) > TRACE_ERROR:
+    if step_onto(packed, T, 1.0, space, ahead, begin) > TRACE_ERROR:
         return -1.0
-    size = weakest_direction(bench, push, weak)
-    if _off_known(known, count, begin) < min(TRACE_NEAR, APART * size):
+    size = weakest_direction(space, push, weak)
+    if _distance_from_known(known, count, begin) < min(TRACE_NEAR, APART * size):
         return -1.0
     return size
 
@@ -282,7 +282,7 @@ def _write_line(ends, q, g):
 
 
 @flat
-def _trace_side(packed, T, request, bench, origin, size, traced, known, distance, best, queue):
+def _trace_side(packed, T, request, space, origin, size, traced, known, distance, best, queue):
     """Trace one side of an ``origin``: posture, direction, weakest one and motion of the tip.
 
     ``size`` is the smallest singular value there.  ``traced`` are the index of this curve's first
@@ -303,20 +303,23 @@ def _trace_side(packed, T, request, bench, origin, size, traced, known, distance
         ends = known[count]
         copy(q, ends[0])
         copy(g, ends[1])
-        length, turned = _advance(packed, T, bench, ends, bent, length)
+        length, turned = _advance(packed, T, space, ends, bent, length)
         if length == 0.0:
             break
-        size_ahead = weakest_direction(bench, push, weak_ahead)
+        size_ahead = weakest_direction(space, push, weak_ahead)
         if passes_crossing(before, size, size_ahead, past, length):
             queued = enter_crossing(
-                packed, T, request, bench, ends[1], weak, ends[0], queue, queued
+                packed, T, request, space, ends[1], weak, ends[0], queue, queued
             )
         before, size, past = size, size_ahead, length
         copy(weak_ahead, weak)
         for i in range(7):
             bent[i] = 0.5 * (ends[3, i] - ends[1, i]) / length
-        distance = _look_between(packed, T, request, bench, ends, distance, best)
-        closed = gone > 2.0 * CLOSING and _off_known(known[first:], closing, ends[2]) < TRACE_NEAR
+        distance = _settle_between(packed, T, request, space, ends, distance, best)
+        closed = (
+            gone > 2.0 * CLOSING
+            and _distance_from_known(known[first:], closing, ends[2]) < TRACE_NEAR
+        )
         gone += length
         count += 1
         if gone < CLOSING:
@@ -326,7 +329,7 @@ def _trace_side(packed, T, request, bench, origin, size, traced, known, distance
                 known[count, row, i] = ends[row, i]
         if _rewind(request, known[count]):
             ends = known[count]
-            distance = _look_between(packed, T, request, bench, ends, distance, best)
+            distance = _settle_between(packed, T, request, space, ends, distance, best)
             count += 1
         copy(ends[2], q)
         copy(ends[3], g)
@@ -337,12 +340,12 @@ def _trace_side(packed, T, request, bench, origin, size, traced, known, distance
         if turned < 0.5 * TRACE_BENT:
             length = min(TRACE_STEP, 2.0 * length)
     if length == 0.0 and size < CROSSING:
-        queued = enter_crossing(packed, T, request, bench, g, weak, q, queue, queued)
+        queued = enter_crossing(packed, T, request, space, g, weak, q, queue, queued)
     return closing, count, queued, distance, False
 
 
 @lean
-def _trace_from(packed, T, request, bench, start, known, count, distance, best, queue, queued):
+def _trace_from(packed, T, request, space, start, known, count, distance, best, queue, queued):
     """Trace both sides of ``start`` (7,), and queue starts around crossings.
 
     Returns the number of known steps, the least distance, that of ``best`` (7,), and the number of
@@ -350,17 +353,17 @@ def _trace_from(packed, T, request, bench, start, known, count, distance, best, 
     """
     _, _, _, seed, metric, _ = request
     begin, ahead, weak_begin, push = scratch(7), scratch(7), scratch(7), scratch(6)
-    size = _begin_trace(packed, T, bench, start, known, count, begin, ahead, push, weak_begin)
+    size = _begin_trace(packed, T, space, start, known, count, begin, ahead, push, weak_begin)
     if size < 0.0:
         return count, distance, queued
     if distance_from(start, seed, metric) <= distance:
-        distance = _improve(packed, T, request, bench, begin, ahead, distance, best)
+        distance = _improve(packed, T, request, space, begin, ahead, distance, best)
         if distance < small_distance(metric):
             # So near the seed it is a line, and no other branch is as near.
             _write_line(known[count], begin, ahead)
             return count + 1, distance, queued
     if size < CROSSING:
-        queued = enter_crossing(packed, T, request, bench, ahead, weak_begin, begin, queue, queued)
+        queued = enter_crossing(packed, T, request, space, ahead, weak_begin, begin, queue, queued)
     q, g, weak = scratch(7), scratch(7), scratch(7)
     first, closing = count, 1
     for side in range(2):
@@ -370,7 +373,7 @@ def _trace_from(packed, T, request, bench, start, known, count, distance, best, 
             g[i] = ahead[i] * (1.0 - 2.0 * side)
         origin, traced = (q, g, weak, push), (first, closing, count, queued)
         closing, count, queued, distance, closed = _trace_side(
-            packed, T, request, bench, origin, size, traced, known, distance, best, queue
+            packed, T, request, space, origin, size, traced, known, distance, best, queue
         )
         if closed:
             break
@@ -388,13 +391,13 @@ def trace_nearest(packed, T, joints, metric, bounded, starts, away, distance, be
     """
     request = joints[0], joints[1], joints[2], joints[3], metric, bounded
     J, current, e, y, A = scratch(6, 7), scratch(4, 4), scratch(6), scratch(6), scratch(6, 6)
-    bench = J, current, e, y, A, np.zeros(7)
+    space = J, current, e, y, A, np.zeros(7)
     known = known.reshape((known.shape[0], 4, 7))
     queue = np.empty((QUEUED, 7))
     count = queued = k = taken = 0
     if distance < math.inf:
         count, distance, queued = _trace_from(
-            packed, T, request, bench, best, known, count, distance, best, queue, queued
+            packed, T, request, space, best, known, count, distance, best, queue, queued
         )
     while True:
         if k < starts.shape[0] and away[k] <= distance * BEYOND:
@@ -405,8 +408,8 @@ def trace_nearest(packed, T, joints, metric, bounded, starts, away, distance, be
             break
         if count + 2 > known.shape[0]:
             break
-        if _off_known(known, count, start) >= TRACE_ON:
+        if _distance_from_known(known, count, start) >= TRACE_ON:
             count, distance, queued = _trace_from(
-                packed, T, request, bench, start, known, count, distance, best, queue, queued
+                packed, T, request, space, start, known, count, distance, best, queue, queued
             )
     return distance
