@@ -16,7 +16,7 @@ import math
 
 from robomech_ros._kernels.compiling.jit import inline
 
-_NOTHING = 1e-300
+_TINY = 1e-300
 
 
 @inline
@@ -31,7 +31,7 @@ def _eliminate(A, least):
             if size > best:
                 best = size
                 r = i
-        if best < _NOTHING:
+        if best < _TINY:
             return 0.0, 0.0
         if r != k:
             for j in range(9):
@@ -48,7 +48,7 @@ def _eliminate(A, least):
 
 
 @inline
-def core(E, cosine, sine, A, B, K):
+def reduced_matrix(E, cosine, sine, A, B, K):
     """Write the remaining matrix K (6, 6); return the eliminated factor and its least pivot."""
     for i in range(6):
         for j in range(9):
@@ -72,7 +72,7 @@ def determinant(E, cosine, sine, A, B, K):
     have the roundings of the earlier ones over the loss factor: the least pivot of the three by
     three eliminations times the least of the rest.
     """
-    value, least = core(E, cosine, sine, A, B, K)
+    value, least = reduced_matrix(E, cosine, sine, A, B, K)
     early = least
     smallest = 1.0
     for k in range(5):
@@ -83,8 +83,8 @@ def determinant(E, cosine, sine, A, B, K):
             if size > best:
                 best = size
                 r = i
-        if best < _NOTHING:
-            return 0.0, 0.0, max(early * smallest, _NOTHING)
+        if best < _TINY:
+            return 0.0, 0.0, max(early * smallest, _TINY)
         if r != k:
             for j in range(6):
                 K[k, j], K[r, j] = K[r, j], K[k, j]
@@ -100,7 +100,7 @@ def determinant(E, cosine, sine, A, B, K):
                 K[i, j] -= factor * K[k, j]
     last = abs(K[5, 5])
     others = abs(value) if last <= least else abs(value) * (last / least)
-    return value * K[5, 5], others, max(min(1.0, early) * smallest, _NOTHING)
+    return value * K[5, 5], others, max(min(1.0, early) * smallest, _TINY)
 
 
 @inline
@@ -110,7 +110,7 @@ def _solve_back(K, order, rank, x):
         value = 0.0
         for j in range(i + 1, 6):
             value -= K[i, j] * x[order[j]]
-        x[order[i]] = value / K[i, i] if abs(K[i, i]) > _NOTHING else 0.0
+        x[order[i]] = value / K[i, i] if abs(K[i, i]) > _TINY else 0.0
 
 
 @inline
@@ -131,7 +131,7 @@ def null_space(K, x, u, v, order):
                 if size > best:
                     r, c, best = i, j, size
         if k == 0:
-            first = max(best, _NOTHING)
+            first = max(best, _TINY)
         fourth = fifth
         fifth = best
         if r != k:
@@ -141,7 +141,7 @@ def null_space(K, x, u, v, order):
             for i in range(6):
                 K[i, k], K[i, c] = K[i, c], K[i, k]
             order[k], order[c] = order[c], order[k]
-        inverse = 1.0 / K[k, k] if best > _NOTHING else 0.0
+        inverse = 1.0 / K[k, k] if best > _TINY else 0.0
         for i in range(k + 1, 6):
             factor = K[i, k] * inverse
             for j in range(k + 1, 6):

@@ -159,7 +159,7 @@ def write_inverse(pose, out):
 
 
 @inline
-def demanded(data, T, pose, back):
+def required_pose(data, T, pose, back):
     """Write ``C_0^-1 T C_6^-1``, lengths over the size, to pose (12,) and its inverse to back."""
     b = at.BASE
     t = at.TIP

@@ -15,7 +15,7 @@ from robomech_ros._kernels.compiling.jit import inline, part
 from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT1, OUT2, b1, i8
 from robomech_ros._kernels.inverse.branch_bits import BOUNDARY, SELF_MOTION
 from robomech_ros._kernels.inverse.general import layout as at
-from robomech_ros._kernels.inverse.general.determinant import core, null_space
+from robomech_ros._kernels.inverse.general.determinant import null_space, reduced_matrix
 from robomech_ros._kernels.inverse.general.equations import (
     complete_form,
     free_equations,
@@ -163,7 +163,7 @@ def _cluster_vectors(width, S, vectors, order):
 
 
 @inline
-def _demand(form, X, E):
+def _write_equations(form, X, E):
     """Write both sides' equations of a complete form to X (14, 3) and E (6, 27).
 
     Returns whether the eliminated unknowns are independent.
@@ -183,7 +183,7 @@ def _matrix(matrices, hidden):
     ``matrices`` are the equations, working space for their two halves, and the matrix.
     """
     E, A, B, S = matrices
-    core(E, math.cos(hidden), math.sin(hidden), A, B, S)
+    reduced_matrix(E, math.cos(hidden), math.sin(hidden), A, B, S)
     return S
 
 
@@ -304,7 +304,7 @@ def solve_form(data, start, T, pose, back, seed, q, marks, state, loose):
     trial = np.empty(6)
     closure, matrices = (form, data[at.SIZE], X, np.empty(14)), (E, A, B, S)
     complete_form(data, start, pose, back, form)
-    regular = _demand(form, X, E)
+    regular = _write_equations(form, X, E)
     largest, noise = sample(E, shape, A, B, S)
     state[EFFORT] += 1 if form[at.TARGET] == 0.0 or form[at.TARGET] == 5.0 else 2
     if not largest > GENERAL_VOID * noise:

@@ -60,19 +60,19 @@ def _slope(packed, size, q, u, v, J, pose):
 
 
 @part(b1(IN2, f8, IN2, IIN1, i8, i8, f8, f8))
-def all_simple(packed, size, q, marks, asked, count, least, sharp):
+def all_simple(packed, size, q, marks, mask, count, least, sharp):
     """Return whether each of the first ``count`` solutions q (16, 6) is regular, or a fold.
 
     A solution is regular if the last pivot of its Jacobian is above ``least`` (of the first), with
     lengths over the size (m).  At a fold the slope is above ``sharp``.  Only solutions with a bit
-    of ``asked`` in ``marks`` (16,) are tested; all if it is 0.
+    of ``mask`` in ``marks`` (16,) are tested; all if it is 0.
     """
     J, K = np.empty((6, 6)), np.empty((6, 6))
     pose = np.empty((4, 4))
     order = np.empty(6, np.int64)
     u, v, w, x = np.empty(6), np.empty(6), np.empty(6), np.empty(6)
     for k in range(count):
-        if asked != 0 and marks[k] & asked == 0:
+        if mask != 0 and marks[k] & mask == 0:
             continue
         _jacobian(packed, size, q[k], J, pose)
         for i in range(6):

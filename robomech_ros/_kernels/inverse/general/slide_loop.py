@@ -21,7 +21,7 @@ def _multiply(a, b, out):
 
 
 @inline
-def read(data, form, back, loop, between):
+def read_loop(data, form, back, loop, between):
     """Write the links of the loop (6, 12) and the rotations between revolute joints (4, 9).
 
     Rotations A .. D follow joints a .. d; with three revolute joints they are b, c, d, and A is 1.
@@ -49,7 +49,7 @@ def read(data, form, back, loop, between):
 
 
 @inline
-def demanded_turn(between, cosine, sine, M):
+def required_rotation(between, cosine, sine, M):
     """Write M (9,) for a value of joint a."""
     turned = np.empty(9)
     # D R_a A.
@@ -66,7 +66,7 @@ def demanded_turn(between, cosine, sine, M):
 
 
 @inline
-def middle(between, M):
+def equation_of_c(between, M):
     """Return constant, cosine and sine part of the equation for joint c."""
     B, C = between[1], between[2]
     constant = B[8] * C[8] - M[8]
@@ -83,7 +83,7 @@ def _inverse(z):
 
 
 @inline
-def turns_of(between, M, cosine, sine, turns):
+def turns_for_c(between, M, cosine, sine, turns):
     """Write cosine and sine of joints b, c, d to turns (3, 2), complex, given those of c."""
     B, C = between[1], between[2]
     # Third column and third row of B R_c C.
@@ -155,7 +155,7 @@ def triple(u, v, w):
 
 
 @inline
-def root(constant, cosine, sine, sign):
+def root_of_c(constant, cosine, sine, sign):
     """Return cosine and sine, complex, of one solution of the equation for joint c."""
     square = cosine * cosine + sine * sine
     room = (square - constant * constant) / (square * square)

@@ -34,12 +34,12 @@ from robomech_ros._kernels.inverse.general.circle_tables import SAMPLES, TO_COSI
 from robomech_ros._kernels.inverse.general.roots import DETERMINANT_NOISE, MAX_ROOTS, isolate
 from robomech_ros._kernels.inverse.general.slide_loop import (
     closure_gap,
-    demanded_turn,
-    middle,
-    read,
-    root,
+    equation_of_c,
+    read_loop,
+    required_rotation,
+    root_of_c,
     triple,
-    turns_of,
+    turns_for_c,
 )
 
 # Least ratio of the largest value of a determinant to its rounding; below it the form is void.
@@ -73,19 +73,19 @@ _SINES = np.sin(_OFFSET + 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES)
 @inline
 def _evaluate(data, form, loop, between, cosine, sine, M, turns, gap, slides):
     """Return g at a value of joint a, the scale of its rounding and its last factor."""
-    demanded_turn(between, cosine, sine, M)
-    k, c, s = middle(between, M)
+    required_rotation(between, cosine, sine, M)
+    k, c, s = equation_of_c(between, M)
     square = c * c + s * s
     room = square - k * k
-    p, q = root(k, c, s, 1.0)
-    turns_of(between, M, p, q, turns)
+    p, q = root_of_c(k, c, s, 1.0)
+    turns_for_c(between, M, p, q, turns)
     closure_gap(data, form, loop, turns, gap, slides)
     first = triple(gap, slides[0], slides[1])
     length = abs(gap[0]) + abs(gap[1]) + abs(gap[2])
     other = complex(first.real, -first.imag)
     if room >= 0.0:
-        p, q = root(k, c, s, -1.0)
-        turns_of(between, M, p, q, turns)
+        p, q = root_of_c(k, c, s, -1.0)
+        turns_for_c(between, M, p, q, turns)
         closure_gap(data, form, loop, turns, gap, slides)
         other = triple(gap, slides[0], slides[1])
         length = max(length, abs(gap[0]) + abs(gap[1]) + abs(gap[2]))
@@ -200,8 +200,8 @@ def _hidden_values(data, form, loop, between, seed, roots, M, turns, gap, slides
 @inline
 def _is_complex(between, hidden, M):
     """Return whether joint c has no real value for a value of joint a."""
-    demanded_turn(between, math.cos(hidden), math.sin(hidden), M)
-    k, c, s = middle(between, M)
+    required_rotation(between, math.cos(hidden), math.sin(hidden), M)
+    k, c, s = equation_of_c(between, M)
     return c * c + s * s - k * k < -SLIDES_REGULAR
 
 
@@ -227,16 +227,16 @@ def _better_posture(data, form, loop, between, cosine, sine, M, turns, gap, slid
     Returns the number of postures near the arm, and whether it is certain.  At a simple zero c is
     real; if its two values coincide, the rounding of the zero may make it complex.
     """
-    demanded_turn(between, cosine, sine, M)
-    k, c, s = middle(between, M)
+    required_rotation(between, cosine, sine, M)
+    k, c, s = equation_of_c(between, M)
     square = c * c + s * s
     if not square - k * k > -SLIDES_BRANCH:
         return 0, False
     sign, least = 1.0, math.inf
     for number in range(3):
         # The third evaluation repeats the better of the first two.
-        p, q = root(k, c, s, sign if number == 2 else 1.0 - 2.0 * number)
-        turns_of(between, M, p, q, turns)
+        p, q = root_of_c(k, c, s, sign if number == 2 else 1.0 - 2.0 * number)
+        turns_for_c(between, M, p, q, turns)
         closure_gap(data, form, loop, turns, gap, slides)
         off = abs(triple(gap, slides[0], slides[1]))
         if off < least and number < 2:
@@ -254,8 +254,8 @@ def _better_posture(data, form, loop, between, cosine, sine, M, turns, gap, slid
 @inline
 def _three_slide_postures(data, form, loop, between, M, turns, gap, slides, trials):
     """Write the two postures of an arm with three slides; return how many, and if these are all."""
-    demanded_turn(between, 1.0, 0.0, M)
-    k, c, s = middle(between, M)
+    required_rotation(between, 1.0, 0.0, M)
+    k, c, s = equation_of_c(between, M)
     square = c * c + s * s
     room = square - k * k
     if not (square > SLIDES_REGULAR and (1.0 - M[8]) * (1.0 + M[8]) > SLIDES_REGULAR):
@@ -266,8 +266,8 @@ def _three_slide_postures(data, form, loop, between, M, turns, gap, slides, tria
     room = max(room, 0.0)
     for number in range(2):
         sign = 1.0 - 2.0 * number
-        p, q = root(k, c, s, sign)
-        turns_of(between, M, p, q, turns)
+        p, q = root_of_c(k, c, s, sign)
+        turns_for_c(between, M, p, q, turns)
         closure_gap(data, form, loop, turns, gap, slides)
         # Slides in one plane may move while the tip does not.
         simple = simple and abs(triple(slides[0], slides[1], slides[2])) > SLIDES_REGULAR
@@ -288,7 +288,7 @@ def slide_postures(data, form, back, seed, trials):
     turns = np.empty((3, 2), np.complex128)
     gap = np.empty(3, np.complex128)
     slides = np.empty((3, 3), np.complex128)
-    read(data, form, back, loop, between)
+    read_loop(data, form, back, loop, between)
     if data[at.SLIDES] == 3.0:
         count, clean = _three_slide_postures(
             data, form, loop, between, M, turns, gap, slides, trials

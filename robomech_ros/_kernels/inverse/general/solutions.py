@@ -24,7 +24,7 @@ from robomech_ros._kernels.compiling.jit import inline, kernel, linked, part
 from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT2, b1, i8
 from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.general import layout as at
-from robomech_ros._kernels.inverse.general.equations import demanded
+from robomech_ros._kernels.inverse.general.equations import required_pose
 from robomech_ros._kernels.inverse.general.forms import (
     COUNT,
     CROWDED,
@@ -152,7 +152,7 @@ def _solve_at(data, T, seed, q, marks, state, loose):
     """
     pose = np.empty(12)
     back = np.empty(12)
-    demanded(data, T, pose, back)
+    required_pose(data, T, pose, back)
     square = pose[3] * pose[3] + pose[7] * pose[7] + pose[11] * pose[11]
     if data[at.SLIDES] == 0.0 and not square <= 1.0 + ACCEPTED:
         # Out of reach of the stretched arm.
@@ -181,25 +181,25 @@ def _solve_nudged(data, T, seed, void, q, marks, state):
     others = np.empty((MAX_SOLUTIONS, 6))
     other_marks = np.empty(MAX_SOLUTIONS, np.int64)
     loose = np.empty((MOST_LOOSE, 6))
-    there = np.zeros(STATE, np.int64)
+    nudged_state = np.zeros(STATE, np.int64)
     reached = np.zeros(_NUDGED, np.int64)
     for number in range(1, _NUDGED):
         _nudged(data, T, number, 1.0, near)
         for k in range(STATE):
-            there[k] = 0
+            nudged_state[k] = 0
         if number > 4:
             # The determinant at a pose so far away is not conclusive for this one.
-            there[LOOSE] = -1
-        clean, _ = _solve_at(data, near, seed, others, other_marks, there, loose)
+            nudged_state[LOOSE] = -1
+        clean, _ = _solve_at(data, near, seed, others, other_marks, nudged_state, loose)
         rows = 0
-        for k in range(there[COUNT]):
+        for k in range(nudged_state[COUNT]):
             row = _follow_back(data, T, number, others[k], trial, q, marks, state)
             if row >= 0:
                 rows |= 1 << row
             else:
                 # This pose has merged solutions other than folds.
                 clean = False
-        for k in range(there[LOOSE]):
+        for k in range(nudged_state[LOOSE]):
             admit(data, T, loose[k], True, q, marks, state)
         reached[number] = _IS_CLEAN | rows if clean else 0
         if number % 2 == 1 or not clean:
