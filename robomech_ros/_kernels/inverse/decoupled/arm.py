@@ -209,7 +209,7 @@ def _arm_bits(data, k, arm, shoulder, elbow):
 
 
 @lean
-def step_aside(data, arm, J, amount):
+def step_off_fold(data, arm, J, amount):
     """Move the arm by ``amount`` in the direction that changes the wrist centre least.
 
     At a double root this changes the error in second order only; starts on both sides lead to the
@@ -233,7 +233,7 @@ def step_aside(data, arm, J, amount):
 
 
 @lean
-def _aside(start, error):
+def _fold_offset(start, error):
     """Return the signed distance of start 1 and later ones from a fold whose error is ``error``.
 
     From outside the two solutions Newton steps lead to the nearer one, so the first starts are
@@ -264,7 +264,7 @@ def _add_postures(data, c, k, candidate, J, e, arms, bits, count):
         if start == 0:
             first_error = _length(e)
         else:
-            step_aside(data, arm, J, _aside(start, first_error))
+            step_off_fold(data, arm, J, _fold_offset(start, first_error))
             arm_error(data, arm, c, J, e)
         error = _length(e)
         if not error <= POLISH_ABOVE:
@@ -281,7 +281,7 @@ def _add_postures(data, c, k, candidate, J, e, arms, bits, count):
         settled = good and candidate[FREE] > 0.0
         if first_error <= POLISH_ABOVE or regular or settled or count == MOST_ARMS:
             break
-        if data[at.BACKED] == 1.0:
+        if data[at.HAS_FALLBACK] == 1.0:
             break
     return count
 

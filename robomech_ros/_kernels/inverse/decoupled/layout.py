@@ -46,5 +46,5 @@ FARTHEST = 121
 UNFLIPPED = 122  # sign of sin(q_5 + angle) of wrist-noflip postures
 PACKED = 123  # the packed chain, 7 rows of 13
 # 1.0 if another solver solves every pose in doubt, so that this one returns at once.
-BACKED = PACKED + 7 * 13
-LENGTH = BACKED + 1
+HAS_FALLBACK = PACKED + 7 * 13
+LENGTH = HAS_FALLBACK + 1

@@ -26,7 +26,7 @@ from robomech_ros._kernels.inverse.decoupled.arm import (
     arm_error,
     arm_postures,
     is_among,
-    step_aside,
+    step_off_fold,
 )
 from robomech_ros._kernels.inverse.decoupled.arm_rows import (
     DETERMINANT,
@@ -233,7 +233,7 @@ def _add_near_fold(data, T, arm, Q, free_angle, slack, angles, near_fold, q, cou
         side = 0.0 if start == 0 else _FOLD * (1.0 - 2.0 * (start & 1))
         if start == 1 or start == 2:
             arm_error(data, trial, (0.0, 0.0, 0.0), J, e)
-            step_aside(data, trial, J, side)
+            step_off_fold(data, trial, J, side)
         n, _ = _wrist_of(data, trial, Q, free_angle, slack, PARALLEL_AXES, angles)
         for k in range(n):
             if count == q.shape[0]:
@@ -248,7 +248,7 @@ def _add_near_fold(data, T, arm, Q, free_angle, slack, angles, near_fold, q, cou
             if near_fold or n == 1 or abs(math.sin(angles[k, 1])) < max(_FOLD, slack):
                 starts = 5
                 sure = False
-            if not sure and data[at.BACKED] == 1.0:
+            if not sure and data[at.HAS_FALLBACK] == 1.0:
                 return count, False
         start += 1
     return count, sure
@@ -260,7 +260,7 @@ def solve_decoupled(data, T, seed, q, branch):
 
     Angles are in (-pi, pi], limits are ignored.  Free joints of a continuum take the value of
     ``seed`` (6,), or the nearest with a solution.  Returns the number of solutions, plus DOUBT if
-    the wrist axes only nearly intersect and the list may be incomplete (for a BACKED arm it is).
+    the wrist axes only nearly intersect and the list may be incomplete; with a fallback it is.
     """
     c, Q = _reduced_target(data, T)
     arms = scratch(ARM_ROWS, WIDTH)
@@ -269,7 +269,7 @@ def solve_decoupled(data, T, seed, q, branch):
     exact = data[at.EXACT] == 1.0
     slack = 0.5 * ACCEPTED if exact else data[at.SLACK]
     bound = NEAR_SINGULAR if exact else max(NEAR_SINGULAR, math.sqrt(slack))
-    backed = data[at.BACKED] == 1.0
+    has_fallback = data[at.HAS_FALLBACK] == 1.0
     doubt = ZERO
     free_angle = seed[3] + data[at.ANGLES]
     count = ZERO
@@ -278,7 +278,7 @@ def solve_decoupled(data, T, seed, q, branch):
         found = arm_postures(data, c, seed, shift, arms, bits)
         any_free = False
         for i in range(found):
-            if backed and (doubt > 0 or arms[i, DETERMINANT] <= bound):
+            if has_fallback and (doubt > 0 or arms[i, DETERMINANT] <= bound):
                 return _DOUBT
             any_free = any_free or arms[i, FREE] > 0.0
             before = count

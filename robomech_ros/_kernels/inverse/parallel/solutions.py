@@ -25,7 +25,7 @@ def _transform(data, k):
 
 
 @lean
-def _demanded(data, T):
+def _required_pose(data, T):
     """Return the pose of frame 6 at the target: rotation row by row, then origin."""
     a, b, c = (T[0, 0], T[0, 1], T[0, 2]), (T[1, 0], T[1, 1], T[1, 2]), (T[2, 0], T[2, 1], T[2, 2])
     p = T[0, 3], T[1, 3], T[2, 3]
@@ -107,7 +107,7 @@ def solve_parallel(data, T, seed, q, branch):
     Returns their number, plus DOUBT if the list may be incomplete: more than two solutions nearly
     coincide at a boundary, as all along a continuum.
     """
-    G = _demanded(data, T)
+    G = _required_pose(data, T)
     pairs = scratch(MAX_PAIRS, PAIR_WIDTH)
     errors = scratch(MAX_SOLUTIONS)
     if data[at.SLIDING] != at.SLIDE_NONE:

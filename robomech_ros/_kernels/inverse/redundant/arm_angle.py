@@ -21,7 +21,7 @@ from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.decoupled import layout as wrist_at
 from robomech_ros._kernels.inverse.decoupled.wrist import spherical_wrist
 from robomech_ros._kernels.inverse.redundant import layout as at
-from robomech_ros._kernels.inverse.redundant.vectors import back, turned
+from robomech_ros._kernels.inverse.redundant.vectors import rotated_back_by, turned
 from robomech_ros._kernels.spatial.vectors import (
     combined,
     cross,
@@ -172,7 +172,7 @@ def elbows(data, T):
         return ZERO, (1.0, 0.0, 1.0, 0.0), d
     w = _vector(parts, at.CENTRE_4)
     u = _shoulder_to(packed, parts)
-    ux, uy, uz = back(packed, 3, u)
+    ux, uy, uz = rotated_back_by(packed, 3, u)
     constant = dot(w, w) + dot(u, u) + 2.0 * uz * w[2] - square
     roots, c1, s1, c2, s2 = order_one_roots(
         constant * unit,

@@ -12,7 +12,7 @@ from robomech_ros._kernels.inverse import branch_bits as bit
 from robomech_ros._kernels.inverse.continuum import free_value
 from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.redundant.arm_angle import call_arm_angle_postures
-from robomech_ros._kernels.inverse.redundant.vectors import back, turned
+from robomech_ros._kernels.inverse.redundant.vectors import rotated_back_by, turned
 from robomech_ros._kernels.inverse.six_joints import DOUBT, GENERAL, MAX_SOLUTIONS, call_six_joints
 from robomech_ros._kernels.spatial.vectors import times
 
@@ -21,8 +21,8 @@ _FORWARDS = np.bool_(False)
 
 
 @lean
-def _between(front, T, back, out):
-    """Write front^-1 T back^-1 to out (4, 4)."""
+def _between(front, T, rear, out):
+    """Write front^-1 T rear^-1 to out (4, 4)."""
     for i in range(3):
         a, b, c = front[0, i], front[1, i], front[2, i]
         x = a * T[0, 0] + b * T[1, 0] + c * T[2, 0]
@@ -30,8 +30,8 @@ def _between(front, T, back, out):
         z = a * T[0, 2] + b * T[1, 2] + c * T[2, 2]
         p = a * (T[0, 3] - front[0, 3]) + b * (T[1, 3] - front[1, 3]) + c * (T[2, 3] - front[2, 3])
         for j in range(3):
-            out[i, j] = x * back[j, 0] + y * back[j, 1] + z * back[j, 2]
-        out[i, 3] = p - out[i, 0] * back[0, 3] - out[i, 1] * back[1, 3] - out[i, 2] * back[2, 3]
+            out[i, j] = x * rear[j, 0] + y * rear[j, 1] + z * rear[j, 2]
+        out[i, 3] = p - out[i, 0] * rear[0, 3] - out[i, 1] * rear[1, 3] - out[i, 2] * rear[2, 3]
         out[3, i] = 0.0
     out[3, 3] = 1.0
 
@@ -47,11 +47,11 @@ def _locked_body(data, T, seed, locked, q, branch):
     first = int(data[at.FIRST])
     own = at.PARTS + 13 * (n + 1)
     packed = data[at.PARTS : own].reshape((n + 1, 13))
-    front, back, target = scratch(4, 4), scratch(4, 4), scratch(4, 4)
+    front, rear, target = scratch(4, 4), scratch(4, 4), scratch(4, 4)
     found = scratch(MAX_SOLUTIONS, 6)
     forward_body(packed[: first + 1], locked[:first], front)
-    forward_body(packed[first + 6 :], locked[first + 6 :], back)
-    _between(front, T, back, target)
+    forward_body(packed[first + 6 :], locked[first + 6 :], rear)
+    _between(front, T, rear, target)
     start = seed[first : first + 6]
     six = int(data[at.SIX])
     total = call_six_joints(
@@ -80,7 +80,7 @@ def locked_postures(data, T, seed, locked, q, branch):
 
 
 @lean
-def choose(data, lower, upper, seed, k, steps, locked):
+def choose_locked(data, lower, upper, seed, k, steps, locked):
     """Write the k-th values of the locked joints; return their distance from the seed.
 
     The first are the seed's.  A single joint takes further values in order of their distance from
@@ -135,7 +135,7 @@ def stretched(data, T):
         return towards - math.atan2(y + packed[7, 11], x + packed[7, 10])
     x, y, z = times(T, (x, y, z))
     point = x + T[0, 3] - packed[0, 10], y + T[1, 3] - packed[0, 11], z + T[2, 3] - packed[0, 12]
-    x, y, _ = back(packed, 0, point)
+    x, y, _ = rotated_back_by(packed, 0, point)
     return math.atan2(y, x) - towards
 
 

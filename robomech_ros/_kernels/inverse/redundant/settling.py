@@ -40,7 +40,7 @@ def step_onto(packed, T, sense, space, g, q):
 
     Returns the error before the correction, infinite on failure.
     """
-    J, current, e, y, A, none = space
+    J, current, e, y, A, no_step = space
     jacobian_body(packed, q, J, current)
     pose_difference(T, current, e)
     error = largest_error(e)
@@ -53,7 +53,7 @@ def step_onto(packed, T, sense, space, g, q):
         A[i, i] += NEAREST_DAMPING * error * error
     if not cholesky_solve(A, e, 6):
         return math.inf
-    correct(J, e, none, q)
+    correct(J, e, no_step, q)
     return error if direction_like(J, A, y, sense, g) else math.inf
 
 

@@ -26,7 +26,7 @@ from robomech_ros._kernels.inverse.ranking import (
 from robomech_ros._kernels.inverse.redundant import layout as at
 from robomech_ros._kernels.inverse.redundant.arm_angle import call_arm_angle
 from robomech_ros._kernels.inverse.redundant.nearest import approach
-from robomech_ros._kernels.inverse.redundant.samples import choose, sample, stretched
+from robomech_ros._kernels.inverse.redundant.samples import choose_locked, sample, stretched
 from robomech_ros._kernels.inverse.redundant.tracing import TRACES, small_distance, trace_nearest
 from robomech_ros._kernels.inverse.six_joints import GENERAL, ITERATIVE, MAX_SOLUTIONS
 from robomech_ros._kernels.tolerances import AT_LIMIT
@@ -139,7 +139,7 @@ def _take_samples(data, T, request, nearest, steps, space, distance, starts):
     towards = stretched(data, T)
     for k in range(steps if math.isnan(towards) else steps + 2):
         if k < steps:
-            away = choose(data, lower, upper, seed, k, steps, locked)
+            away = choose_locked(data, lower, upper, seed, k, steps, locked)
         else:
             joint = 6 if data[at.FIRST] == 0.0 else 0
             locked[joint] = towards + math.pi * (k - steps)
@@ -294,19 +294,19 @@ def _solve_pose(data, T, request, nearest, traced, joints, space, starts, ranked
 
 
 @kernel(i8(IN1, IN3, IN1, types.UniTuple(i8, 4), OUT3, IOUT1, OUT1, IOUT1))
-def solve_redundant(arm, T, seed, asked, ranked, names, distances, counts):
+def solve_redundant(arm, T, seed, options, ranked, names, distances, counts):
     """Solve the poses T (m, 4, 4) one after another, for samples of the redundancy parameter.
 
-    ``arm`` is that of :func:`.inverse.solutions.solve`.  ``asked`` are the metric, whether limits
+    ``arm`` is that of :func:`.inverse.solutions.solve`.  ``options`` are the metric, whether limits
     are respected, whether only the nearest is requested (farther samples are then skipped), and
     whether self-motions of seven joints are traced.  The solutions go to ``ranked`` (m, room, n),
     nearest to the seed first and NaN after the last; with tracing the first is the nearest of the
     self-motions.  ``counts`` (m,) gets their number, or NONE_EXISTS if no sample has a posture even
     outside the limits.  ``names`` and ``distances`` (room,) are those of the last pose.  Returns 0.
     """
-    metric, bounded, nearest = asked[0], asked[1] != 0, asked[2] != 0
+    metric, bounded, nearest = options[0], options[1] != 0, options[2] != 0
     n = seed.shape[0]
-    traced = asked[3] != 0 and n == 7
+    traced = options[3] != 0 and n == 7
     arm, T, ranked = borrowed(arm), borrowed(T), borrowed(ranked)
     turns, lower, upper = arm[1 : n + 1], arm[n + 1 : 2 * n + 1], arm[2 * n + 1 : 3 * n + 1]
     data = arm[3 * n + 1 :]

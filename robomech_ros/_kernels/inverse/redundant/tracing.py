@@ -295,7 +295,7 @@ def _trace_side(packed, T, request, space, origin, size, traced, known, distance
     bent, weak_ahead = scratch(7), scratch(7)
     for i in range(7):
         bent[i] = 0.0
-    length, gone = TRACE_STEP, 0.0
+    length, travelled = TRACE_STEP, 0.0
     before, past = 0.0, 1.0
     for _ in range(TRACE_STEPS):
         if count + 2 > known.shape[0]:
@@ -317,12 +317,12 @@ def _trace_side(packed, T, request, space, origin, size, traced, known, distance
             bent[i] = 0.5 * (ends[3, i] - ends[1, i]) / length
         distance = _settle_between(packed, T, request, space, ends, distance, best)
         closed = (
-            gone > 2.0 * CLOSING
+            travelled > 2.0 * CLOSING
             and _distance_from_known(known[first:], closing, ends[2]) < TRACE_NEAR
         )
-        gone += length
+        travelled += length
         count += 1
-        if gone < CLOSING:
+        if travelled < CLOSING:
             closing = count - first
         for i in range(7):
             for row in range(4):

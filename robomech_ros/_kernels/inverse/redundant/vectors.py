@@ -14,7 +14,7 @@ def turned(packed, row, v):
 
 
 @inline
-def back(packed, row, v):
+def rotated_back_by(packed, row, v):
     """Return v rotated by the inverse of the constant transform ``row``."""
     return (
         packed[row, 1] * v[0] + packed[row, 4] * v[1] + packed[row, 7] * v[2],

@@ -51,7 +51,7 @@ def match(chain: SerialChain) -> Array | None:
     data = np.zeros(at.LENGTH)
     data[at.SIZE] = size
     data[at.TYPES : at.TYPES + 3] = chain.types[:3]
-    data[at.PACKED : at.BACKED] = chain.packed.ravel()
+    data[at.PACKED : at.HAS_FALLBACK] = chain.packed.ravel()
     data[at.BASE : at.BASE + 12] = C[0, :3].ravel()
     data[at.TIP : at.TIP + 9] = C[6, :3, :3].T.ravel()
     data[at.CENTRE : at.CENTRE + 3] = (rigid_inverse(C[6]) @ (0.0, 0.0, height6, 1.0))[:3]

@@ -94,7 +94,7 @@ def _locked(
         data = _laid_out(chain, at.LOCKED, arm.data)
     else:
         backed = arm.data.copy()
-        backed[wrist_at.BACKED] = 1.0
+        backed[wrist_at.HAS_FALLBACK] = 1.0
         data = _laid_out(chain, at.LOCKED, backed, whole)
         data[at.GENERAL] = len(data) - len(whole)
     data[at.FIRST], data[at.BACKWARDS], data[at.SIX] = first, arm.backwards, arm.family
@@ -167,7 +167,7 @@ def _idealised(C: Array, types: Sequence[int]) -> SixJointArm | None:
         data[wrist_at.EXACT] = 0.0
         slack = SPHERICAL_SLACK * centre[2] / data[wrist_at.SIZE]
         data[wrist_at.SLACK] = max(float(data[wrist_at.SLACK]), slack)
-        data[wrist_at.PACKED : wrist_at.BACKED] = chain_of(links, kinds).packed.ravel()
+        data[wrist_at.PACKED : wrist_at.HAS_FALLBACK] = chain_of(links, kinds).packed.ravel()
         return SixJointArm(DECOUPLED, backwards, data)
     return None
 

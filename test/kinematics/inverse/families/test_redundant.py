@@ -167,7 +167,7 @@ def test_where_the_idealised_wrist_is_not_in_doubt_it_has_what_the_true_one_has(
     """The closed form of three axes that nearly meet against the general equations of the six."""
     data = family_of(make("gen3")).data
     own, whole = at.PARTS + 13 * 8, int(data[at.GENERAL])
-    packed = data[own + wrist_at.PACKED : own + wrist_at.BACKED].reshape(7, 13)
+    packed = data[own + wrist_at.PACKED : own + wrist_at.HAS_FALLBACK].reshape(7, 13)
     six = chain_of(constant_transforms(packed), [0] * 6)
     q, other, branch = np.empty((16, 6)), np.empty((16, 6)), np.empty(16, np.int64)
     sure = 0
