@@ -22,8 +22,8 @@ from robomech_ros._kernels.tolerances import ROTATION_ERROR
 # Offsets of further results behind the rows of solutions.
 TARGET = 0  # the pose, row by row
 DISTANCES = 16  # distance of each solution from the seed
-MARKED = DISTANCES + MAX_SOLUTIONS  # branch of each solution
-TOTAL = MARKED + MAX_SOLUTIONS
+BRANCHES = DISTANCES + MAX_SOLUTIONS  # branch of each solution
+TOTAL = BRANCHES + MAX_SOLUTIONS
 
 # Largest number of joints of these families.
 _MOST_JOINTS = 6
@@ -66,13 +66,13 @@ def solve_one(arm, T, seed, metric, bounded, space):
         bounded,
         bare,
         flat[: MAX_SOLUTIONS * n].reshape((1, MAX_SOLUTIONS, n)),
-        rest[DISTANCES:MARKED],
+        rest[DISTANCES:BRANCHES],
         marks,
         counts,
     )
     names = marks[NAMES] if count > 0 else marks[BRANCH]
     for k in range(count if count > 0 else found):
-        rest[MARKED + k] = names[k]
+        rest[BRANCHES + k] = names[k]
         if count == 0:
             for i in range(n):
                 space[k, i] = bare[k, i]

@@ -6,13 +6,13 @@ POSITION_TOLERANCE = 2  # m
 ORIENTATION_TOLERANCE = 3  # rad
 ITERATIONS = 4  # largest number of steps of one attempt
 RESTARTS = 5  # attempts of one call of solve_iterative
-WANTED = 6  # largest number of solutions
+MAX_SOLUTIONS = 6  # largest number of solutions
 PATIENCE = 7  # with a solution, attempts in a row without a new one after which the search stops
-APART = 8  # least distance (rad or m, largest over the joints) of two solutions
+MIN_DISTANCE = 8  # least distance (rad or m, largest over the joints) of two solutions
 STALL = 9  # an attempt ends when six steps leave more than this fraction of the squared error
 WEIGHTS = 10  # six of 0 or 1: rotation about x y z, position x y z of the base
-OPEN = 16  # arm length (m) beyond which a target is far; infinite if every slide has limits
-SHARP_APART = 17  # the same for two solutions within the default tolerances
+FAR_LENGTH = 16  # arm length (m) beyond which a target is far; infinite if every slide has limits
+MIN_SHARP_DISTANCE = 17  # least distance of two solutions within the default tolerances
 WIDTH = 18  # numbers in a row of the packed chain
 ROWS = 19  # start of rows of n numbers: lower, upper, start, width, stride, turns
 # lower and upper bound the search; starts lie in [start, start + width], advanced by the

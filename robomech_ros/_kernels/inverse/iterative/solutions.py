@@ -29,7 +29,7 @@ def _stretch(data, packed, weights, T):
     for k in range(3):
         away = T[k, 3] - packed[0, 10 + k]
         square += weights[3 + k] * away * away
-    return max(1.0, math.sqrt(square) / data[at.OPEN])
+    return max(1.0, math.sqrt(square) / data[at.FAR_LENGTH])
 
 
 @inline
@@ -86,12 +86,12 @@ def _enter(data, rows, q, sharp, solutions, marks, found):
     """
     for k in range(found):
         both = sharp and marks[k] != 0.0
-        least = data[at.SHARP_APART] if both else data[at.APART]
+        least = data[at.MIN_SHARP_DISTANCE] if both else data[at.MIN_DISTANCE]
         if (both or not sharp) and _distance(rows, q, solutions[k]) < least:
             return NOT_NEW
     kept = 0
     for k in range(found):
-        if sharp and marks[k] == 0.0 and _distance(rows, q, solutions[k]) < data[at.APART]:
+        if sharp and marks[k] == 0.0 and _distance(rows, q, solutions[k]) < data[at.MIN_DISTANCE]:
             continue
         marks[kept] = marks[k]
         for i in range(q.shape[0]):
@@ -127,7 +127,7 @@ def search(data, T, seed, first, restarts, q, found, state):
     rows = data[at.ROWS : at.ROWS + at.N_ROWS * n].reshape(at.N_ROWS, n)
     packed = data[at.ROWS + at.N_ROWS * n :].reshape(-1, int(data[at.WIDTH]))
     weights = data[at.WEIGHTS : at.WEIGHTS + 6]
-    wanted = min(int(data[at.WANTED]), q.shape[0])
+    limit = min(int(data[at.MAX_SOLUTIONS]), q.shape[0])
     x = np.empty(n)
     current, e = np.empty((4, 4)), np.empty(6)
     space = Space(
@@ -141,7 +141,7 @@ def search(data, T, seed, first, restarts, q, found, state):
     )
     stretch = _stretch(data, packed, weights, T)
     for number in range(first, first + restarts):
-        if found >= wanted or (found > 0 and state[at.IDLE] >= data[at.PATIENCE]):
+        if found >= limit or (found > 0 and state[at.IDLE] >= data[at.PATIENCE]):
             break
         _start(seed, number, rows, stretch, x)
         unit = data[at.UNIT] / (stretch * stretch)

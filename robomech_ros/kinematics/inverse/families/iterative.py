@@ -73,13 +73,13 @@ def iterative_data(chain: SerialChain, goal: SearchGoal = _USUAL) -> Array:
     tolerances = goal.position_tolerance, goal.orientation_tolerance
     data[at.POSITION_TOLERANCE], data[at.ORIENTATION_TOLERANCE] = tolerances
     data[at.ITERATIONS], data[at.RESTARTS] = ATTEMPT_ITERATIONS, ITERATIVE_RESTARTS
-    data[at.WANTED], data[at.PATIENCE] = wanted, ITERATIVE_PATIENCE
+    data[at.MAX_SOLUTIONS], data[at.PATIENCE] = wanted, ITERATIVE_PATIENCE
     data[at.STALL] = STALLED
     sharp = ITERATIVE_APART_REDUNDANT if redundant else ITERATIVE_APART
-    data[at.SHARP_APART] = sharp
-    data[at.APART] = max(sharp, _neighbourhood(*tolerances))
+    data[at.MIN_SHARP_DISTANCE] = sharp
+    data[at.MIN_DISTANCE] = max(sharp, _neighbourhood(*tolerances))
     sliding = (chain.types == PRISMATIC) & np.isinf(upper - lower)
-    data[at.OPEN] = size if sliding.any() else np.inf
+    data[at.FAR_LENGTH] = size if sliding.any() else np.inf
     data[at.WEIGHTS : at.WEIGHTS + 6] = np.roll(np.asarray(goal.task, dtype=float), 3)
     rows = np.stack([lower, upper, start, end - start, low_discrepancy_strides(n), turns])
     data[at.ROWS : at.ROWS + at.N_ROWS * n] = rows.ravel()

@@ -67,7 +67,7 @@ def iterative_search(
         count = min(chunk, restarts - done)
         found = search(data, T, seed, done, count, q, found, state)
         done += count
-        if found >= data[at.WANTED] or (found and state[at.IDLE] >= data[at.PATIENCE]):
+        if found >= data[at.MAX_SOLUTIONS] or (found and state[at.IDLE] >= data[at.PATIENCE]):
             break
         if deadline is not None and time.monotonic() >= deadline:
             timed_out = done < restarts

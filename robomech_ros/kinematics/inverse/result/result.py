@@ -10,7 +10,7 @@ import numpy as np
 
 from robomech_ros._kernels.compiling.jit import direct
 from robomech_ros._kernels.inverse import branch_bits as bit
-from robomech_ros._kernels.inverse.one_pose import DISTANCES, MARKED, TARGET
+from robomech_ros._kernels.inverse.one_pose import BRANCHES, DISTANCES, TARGET
 from robomech_ros._kernels.inverse.quality import CONDITION, MARGIN, ORIENTATION, POSITION, measure
 from robomech_ros._kernels.inverse.solutions import MAX_SOLUTIONS
 from robomech_ros.errors.formatting import counted
@@ -78,7 +78,7 @@ def read_listing(space: Array, count: int) -> Listing:
     return Listing(
         rest[TARGET:DISTANCES].reshape(4, 4),
         rest[DISTANCES : DISTANCES + count],
-        rest[MARKED : MARKED + count].astype(np.int64),
+        rest[BRANCHES : BRANCHES + count].astype(np.int64),
     )
 
 
