@@ -6,7 +6,7 @@ from robomech_ros._kernels.algebra.angles import wrapped
 from robomech_ros._kernels.compiling.jit import lean
 
 _TURN = 2.0 * math.pi
-# Tried turns of joint 4 to either side of the seed.
+# Number of turns of joint 4 tried on either side of the seed.
 _TURNS = 8
 
 

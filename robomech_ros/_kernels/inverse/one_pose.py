@@ -25,9 +25,9 @@ DISTANCES = 16  # distance of each solution from the seed
 BRANCHES = DISTANCES + MAX_SOLUTIONS  # branch of each solution
 TOTAL = BRANCHES + MAX_SOLUTIONS
 
-# Largest number of joints of these families.
-_MOST_JOINTS = 6
-_ROOM = MAX_SOLUTIONS * _MOST_JOINTS
+# Largest number of joints of the arms solved here.
+_MAX_JOINTS = 6
+_ROOM = MAX_SOLUTIONS * _MAX_JOINTS
 _ENTRIES = 6
 _ANY2 = types.Array(f8, 2, "A")
 

@@ -166,7 +166,7 @@ def _solve_pose(family, data, T, start, request, q, branch, space, ranked, state
 
 @lean
 def _number(branch):
-    """Replace branch names by numbers for postures solved backwards, with other joints."""
+    """Replace branch names, which belong to other joints, by numbers after solving backwards."""
     for k in range(branch.shape[0]):
         number = branch[k] & (bit.SHOULDER_RIGHT | bit.ELBOW_DOWN | bit.WRIST_FLIP)
         if branch[k] & bit.ARM_NUMBERED:

@@ -42,9 +42,9 @@ SHARP = 1e-12
 FOLD_APART = 1e-5
 
 # Largest number of postures of the arm: twice the number that exist without a continuum.
-MOST_ARMS = 8
+MAX_ARMS = 8
 # Rows for these postures and one more as working space.
-ARM_ROWS = MOST_ARMS + 1
+ARM_ROWS = MAX_ARMS + 1
 # Starts from each inaccurate candidate.
 _STARTS = 8
 # Typed, since numba recompiles a function for each literal argument.
@@ -279,7 +279,7 @@ def _add_postures(data, c, k, candidate, J, e, arms, bits, count):
             count += 1
         # Next to a good posture of a continuum the next start would find the continuum again.
         settled = good and candidate[FREE] > 0.0
-        if first_error <= POLISH_ABOVE or regular or settled or count == MOST_ARMS:
+        if first_error <= POLISH_ABOVE or regular or settled or count == MAX_ARMS:
             break
         if data[at.HAS_FALLBACK] == 1.0:
             break
@@ -298,6 +298,6 @@ def arm_postures(data, c, seed, shift, arms, bits):
     found = _candidates(data, c, seed, shift, candidates)
     count = ZERO
     for k in range(found):
-        if count < MOST_ARMS:
+        if count < MAX_ARMS:
             count = _add_postures(data, c, k, candidates[k], J, e, arms, bits, count)
     return count

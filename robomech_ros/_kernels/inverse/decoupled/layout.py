@@ -8,7 +8,7 @@ arm's part are in units of SIZE.
 """
 
 # Solvers of the arm's part, by the joints in the direction of solution.
-REVOLUTE_SPLIT = 0  # RRR, first two axes parallel or meeting: two quadratics
+REVOLUTE_SPLIT = 0  # RRR, first two axes parallel or intersecting: two quadratics
 REVOLUTE_QUARTIC = 1  # RRR, any: one quartic
 SLIDE_TURN_TURN = 2  # PRR
 TURN_SLIDE_TURN = 3  # RPR

@@ -20,7 +20,7 @@ from robomech_ros._kernels.inverse.decoupled import layout as at
 from robomech_ros._kernels.inverse.decoupled.arm import (
     ARM_ROWS,
     FOLD_APART,
-    MOST_ARMS,
+    MAX_ARMS,
     NEAR_SINGULAR,
     SHARP,
     arm_error,
@@ -264,7 +264,7 @@ def solve_decoupled(data, T, seed, q, branch):
     """
     c, Q = _reduced_target(data, T)
     arms = scratch(ARM_ROWS, WIDTH)
-    bits = scratch_integers(MOST_ARMS)
+    bits = scratch_integers(MAX_ARMS)
     angles = scratch(2, 3)
     exact = data[at.EXACT] == 1.0
     slack = 0.5 * ACCEPTED if exact else data[at.SLACK]

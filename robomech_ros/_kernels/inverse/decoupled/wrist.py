@@ -1,7 +1,7 @@
 """Solution of spherical wrists: three revolute axes through one point.
 
-``Rz(x) Rx(A) Rz(y) Rx(B) Rz(z) = Q`` with A and B in (0, pi).  The third column of Q, the
-direction of axis 6 along axis 4, gives cos y; the sign of sin y is free, hence two solutions.
+``Rz(x) Rx(A) Rz(y) Rx(B) Rz(z) = Q`` with A and B in (0, pi).  The third column of Q, axis 6
+in the frame before axis 4, gives cos y; the sign of sin y is free, hence two solutions.
 Then x follows from that column and z from the first one, so that the product is Q up to rounding
 even if x and z are ill-conditioned.
 

@@ -357,8 +357,8 @@ def free_equations(K, X, slide, E):
     """Write six equations E (6, 27) in the last three joints only.
 
     ``slide`` is the role of the prismatic joint, -1 without one.  Returns how independent the
-    eliminated unknowns are, 1 at best.  If they are dependent, the equations are valid but there
-    are more of them.
+    eliminated unknowns are, 1 at best.  If they are dependent, the equations are valid, but
+    further ones exist.
     """
     W = np.empty((6, at.N_COLUMNS))
     Z = np.empty((6, 2))

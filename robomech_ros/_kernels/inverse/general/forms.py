@@ -21,7 +21,7 @@ from robomech_ros._kernels.inverse.general.equations import (
     free_equations,
     right_side,
 )
-from robomech_ros._kernels.inverse.general.pencil import MOST_VECTORS, pencil_vectors
+from robomech_ros._kernels.inverse.general.pencil import MAX_VECTORS, pencil_vectors
 from robomech_ros._kernels.inverse.general.posture import half_angles, remaining_joints
 from robomech_ros._kernels.inverse.general.roots import MAX_ROOTS, isolate, near_zeros, sample
 from robomech_ros._kernels.inverse.general.singular_postures import (
@@ -49,7 +49,7 @@ GENERAL_SAMPLINGS = 16
 # (of the first) exceeds this times the width of the cluster (rad).
 CLUSTER_GAP = 100.0
 # Least pivot for that test if the cluster is narrower than the rounding of a pivot.
-CLUSTER_LEAST_GAP = 1e-6
+CLUSTER_MIN_GAP = 1e-6
 # Widest cluster (rad) for that test; at a fold it is about 1e-5 wide.
 CLUSTER_WIDTH = 5e-5
 # Below this pivot (of the first) two postures are sought.
@@ -64,11 +64,11 @@ GENERAL_ERROR = 1e-11
 SAME_SINGULAR = 1e-5
 SAME_MULTIPLE = 5e-2
 # Largest number of solutions of one pose that represent continua, so that others fit in the list.
-MOST_CONTINUA = 6
+MAX_CONTINUA = 6
 
 MAX_SOLUTIONS = 16
 # Largest number of loose postures, at which the determinant only comes near zero.
-MOST_LOOSE = 16
+MAX_LOOSE = 16
 
 # Entries of ``state``: numbers of solutions, of solutions in a continuum and of loose postures (-1
 # if not collected); 1 after a cluster of zeros; and the sum of samplings of a determinant, left
@@ -136,7 +136,7 @@ def admit(data, T, trial, singular, q, marks, state):
         return _enter(trial, 0, q, marks, state)
     if not is_in_continuum(data, T, trial, u, v, fifth):
         return _enter(trial, BOUNDARY, q, marks, state)
-    if state[CONTINUA] >= MOST_CONTINUA:
+    if state[CONTINUA] >= MAX_CONTINUA:
         return -1
     state[CONTINUA] += 1
     return _enter(trial, SELF_MOTION, q, marks, state)
@@ -144,18 +144,18 @@ def admit(data, T, trial, singular, q, marks, state):
 
 @inline
 def _cluster_vectors(width, S, vectors, order):
-    """Write candidate null vectors of a cluster of zeros to ``vectors`` (1 + MOST_VECTORS, 6).
+    """Write candidate null vectors of a cluster of zeros to ``vectors`` (1 + MAX_VECTORS, 6).
 
     Returns their number, the range of those that must lead to postures, and whether the cluster is
     then complete.
     """
     u, v = np.empty(6), np.empty(6)
     fourth, fifth, _ = null_space(S, vectors[0], u, v, order)
-    gap = CLUSTER_GAP * width + CLUSTER_LEAST_GAP
+    gap = CLUSTER_GAP * width + CLUSTER_MIN_GAP
     narrow = width < CLUSTER_WIDTH
     if fifth > max(gap, CLUSTER_PENCIL):
         return 1, 0, 1, narrow
-    slack = 10.0 * width / max(fourth, CLUSTER_LEAST_GAP) + CLUSTER_LEAST_GAP
+    slack = 10.0 * width / max(fourth, CLUSTER_MIN_GAP) + CLUSTER_MIN_GAP
     found, whole = pencil_vectors(u, v, slack, vectors[1:])
     if fifth > gap:
         return 1 + found, 0, 1, narrow
@@ -282,7 +282,7 @@ def _collect_loose(closure, matrices, places, zeros, vectors, order, state, loos
         S = _matrix(matrices, places[k])
         found, _, _, _ = _cluster_vectors(0.0, S, vectors, order)
         for i in range(found):
-            if state[LOOSE] < MOST_LOOSE:
+            if state[LOOSE] < MAX_LOOSE:
                 _posture(closure, places[k], vectors[i], loose[state[LOOSE]])
                 state[LOOSE] += 1
 
@@ -294,13 +294,13 @@ def solve_form(data, start, T, pose, back, seed, q, marks, state, loose):
     ``pose`` (12,) and ``back`` (12,) are the pose of the joints for T, and its inverse.  A form is
     void if its determinant vanishes at all angles: the hidden joint may be free.  The seed's value
     and others are then tried until a continuum is found.  Postures at which the determinant only
-    comes near zero go to ``loose`` (MOST_LOOSE, 6) if requested.
+    comes near zero go to ``loose`` (MAX_LOOSE, 6) if requested.
     """
     form, X = np.empty(at.FORM), np.empty((14, 3))
     E, A, B = np.empty((6, at.N_COLUMNS)), np.empty((6, 9)), np.empty((6, 9))
     S, shape = np.empty((6, 6)), np.empty((2, 9))
     roots = np.empty((MAX_ROOTS, 2))
-    vectors, order = np.empty((1 + MOST_VECTORS, 6)), np.empty(6, np.int64)
+    vectors, order = np.empty((1 + MAX_VECTORS, 6)), np.empty(6, np.int64)
     trial = np.empty(6)
     closure, matrices = (form, data[at.SIZE], X, np.empty(14)), (E, A, B, S)
     complete_form(data, start, pose, back, form)

@@ -46,4 +46,4 @@ TARGET_LINK = 0  # index of the link with the target
 KINDS = 8  # for each of the six joints: 1.0 for a slide
 LOOP = 14  # six times 3x4: the links behind the joints; that of the target is not used
 
-MOST_FORMS = 4  # largest number of forms of an arm
+MAX_FORMS = 4  # largest number of forms of an arm

@@ -16,7 +16,7 @@ from robomech_ros._kernels.tolerances import GENERAL_CORANK
 
 # Least slope (lengths over the size) at which exactly two solutions have become one: above the
 # rounding of zero.
-FOLD_LEAST = 1e-7
+MIN_FOLD_SLOPE = 1e-7
 # Step (rad) of the difference quotient.
 FOLD_STEP = 1e-4
 # Least last pivot but one at a fold, relative to the least last pivot elsewhere.

@@ -17,7 +17,7 @@ PENCIL_VOID = 1e-4
 # Value of these equations below which a vector may belong to a posture.
 PENCIL_IS_PRODUCT = 5e-2
 
-MOST_VECTORS = 4
+MAX_VECTORS = 4
 # x_a x_b + w x_c x_d = 0: a, b, c, d, w.
 _EQUATIONS = np.array(
     [
@@ -73,7 +73,7 @@ def _violation(u, v, a, b):
 
 @inline
 def pencil_vectors(u, v, slack, vectors):
-    """Write the vectors of the pencil that may be products to ``vectors`` (MOST_VECTORS, 6).
+    """Write the vectors of the pencil that may be products to ``vectors`` (MAX_VECTORS, 6).
 
     ``slack`` is the uncertainty of the equations, up to which a negative discriminant may be a
     double zero; u (6,) and v (6,) are made orthonormal.  Returns the number of vectors, and whether

@@ -38,8 +38,8 @@ SETTLING_ROUNDING = 1e-31
 SETTLING_STEP = 0.3
 # Steps are replaced by their sum if they shrink by a factor between these, 1/2 at a fold, and are
 # parallel but for the fraction ASIDE (squared).
-SETTLING_LEAST_FACTOR = 0.3
-SETTLING_MOST_FACTOR = 0.95
+SETTLING_MIN_FACTOR = 0.3
+SETTLING_MAX_FACTOR = 0.95
 SETTLING_ASIDE = 0.04
 # Squared error (rad, and lengths over the size) of a pose known to rounding.
 SETTLED = 1e-30
@@ -143,7 +143,7 @@ def _lengthening(step, last):
         return 1.0
     factor = along / before
     aside = square - factor * along
-    if not SETTLING_LEAST_FACTOR < factor < SETTLING_MOST_FACTOR or aside > SETTLING_ASIDE * square:
+    if not SETTLING_MIN_FACTOR < factor < SETTLING_MAX_FACTOR or aside > SETTLING_ASIDE * square:
         return 1.0
     return 1.0 / (1.0 - factor)
 

@@ -224,8 +224,8 @@ def _nearness(gap, slides):
 def _better_posture(data, form, loop, between, cosine, sine, M, turns, gap, slides, trial):
     """Write the better of the two postures for a value of joint a, a simple zero or in a cluster.
 
-    Returns the number of postures near the arm, and whether it is certain.  At a simple zero c is
-    real; if its two values coincide, the rounding of the zero may make it complex.
+    Returns the number of postures near the arm, and whether that number is certain.  At a simple
+    zero c is real; if its two values coincide, the rounding of the zero may make it complex.
     """
     required_rotation(between, cosine, sine, M)
     k, c, s = equation_of_c(between, M)

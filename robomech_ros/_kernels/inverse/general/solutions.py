@@ -31,14 +31,14 @@ from robomech_ros._kernels.inverse.general.forms import (
     EFFORT,
     GENERAL_STEPS,
     LOOSE,
+    MAX_LOOSE,
     MAX_SOLUTIONS as MAX_SOLUTIONS,
-    MOST_LOOSE,
     STATE,
     admit,
     solve_form,
     solve_slides,
 )
-from robomech_ros._kernels.inverse.general.multiplicity import FOLD_LEAST, all_simple
+from robomech_ros._kernels.inverse.general.multiplicity import MIN_FOLD_SLOPE, all_simple
 from robomech_ros._kernels.inverse.general.singular_postures import (
     distance,
     is_in_continuum,
@@ -53,7 +53,7 @@ GENERAL_REGULAR = 2e-2
 # The same ratio below which rounding moves a posture by SAME_POSTURE or more; with slides hundreds
 # of sizes out it is about 1e-8.
 GENERAL_LOST = 1e-10
-# Least slope (as FOLD_LEAST) at settled solutions without a third one nearby.
+# Least slope (as MIN_FOLD_SLOPE) at settled solutions without a third one nearby.
 FOLD_SHARP = 1e-2
 # Number of starts of a search if no solution was found.
 GENERAL_STARTS = 32
@@ -155,7 +155,7 @@ def _solve_at(data, T, seed, q, marks, state, loose):
     required_pose(data, T, pose, back)
     square = pose[3] * pose[3] + pose[7] * pose[7] + pose[11] * pose[11]
     if data[at.SLIDES] == 0.0 and not square <= 1.0 + ACCEPTED:
-        # Out of reach of the stretched arm.
+        # The target is out of reach of the stretched arm.
         return True, False
     all_void = True
     for k in range(int(data[at.FORMS])):
@@ -180,7 +180,7 @@ def _solve_nudged(data, T, seed, void, q, marks, state):
     trial = np.empty(6)
     others = np.empty((MAX_SOLUTIONS, 6))
     other_marks = np.empty(MAX_SOLUTIONS, np.int64)
-    loose = np.empty((MOST_LOOSE, 6))
+    loose = np.empty((MAX_LOOSE, 6))
     nudged_state = np.zeros(STATE, np.int64)
     reached = np.zeros(_NUDGED, np.int64)
     for number in range(1, _NUDGED):
@@ -265,12 +265,14 @@ def solve_general(data, T, seed, q, branch):
     clean, void = _solve_at(data, T, seed, q, marks, state, q)
     if slides and clean:
         # A simple zero has a simple posture.
-        clean = all_simple(packed, size, q, marks, 0, state[COUNT], GENERAL_LOST, FOLD_LEAST)
+        clean = all_simple(packed, size, q, marks, 0, state[COUNT], GENERAL_LOST, MIN_FOLD_SLOPE)
     if not clean:
         clean = _solve_nudged(data, T, seed, void, q, marks, state)
         if slides and clean:
             # Far along a continuum of slides it may not be detected as one.
-            clean = all_simple(packed, size, q, marks, 0, state[COUNT], GENERAL_REGULAR, FOLD_SHARP)
+            clean = all_simple(
+                packed, size, q, marks, 0, state[COUNT], GENERAL_REGULAR, FOLD_SHARP
+            )
         if state[COUNT] == 0:
             clean = False
             _search(data, T, seed, q, marks, state)

@@ -15,7 +15,7 @@ from robomech_ros._kernels.inverse.polishing import pose_difference
 # Newton step as the error vanishes.
 ATTEMPT_DAMPING = 0.1
 # Least damping after successful steps.
-ATTEMPT_LEAST_DAMPING = 1e-4
+ATTEMPT_MIN_DAMPING = 1e-4
 # Longest change of a joint (rad or m) in one step: linearisation fails beyond a radian.
 ATTEMPT_STEP = 1.0
 # Squared error at which an attempt ends: 1e-13 in rad and in units of half the arm's length.
@@ -168,7 +168,7 @@ def attempt(packed, T, q, lower, upper, weights, unit, stretch, iterations, stal
                 kept[i] = q[i]
             if error < converged:
                 break
-            damping = max(0.25 * damping, ATTEMPT_LEAST_DAMPING)
+            damping = max(0.25 * damping, ATTEMPT_MIN_DAMPING)
             if partial:
                 _correct_for_partial_orientation(J, e, n)
             _fill_normal_equations(J, e, weights, unit, n, H, g)

@@ -165,7 +165,7 @@ def _turn_in_reach(data, G, seed, turns, six_free):
 
 @lean
 def wrist_turns(data, G, seed, pair):
-    """Return the bits (-1: none), the turns of axes a, 5 and 6, and the error left of a pair."""
+    """Return the bits (-1: none) of a pair, the turns of axes a, 5 and 6, and the pair's error."""
     gamma = pair[2]
     v1 = pair[3]
     v2 = pair[4]

@@ -29,11 +29,11 @@ FOURFOLD_APART = 5e-3
 FOURFOLD_ERROR = 1e-13
 # Distances (sine) from a double root at which its two solutions are sought, first and last.
 FOLD_START = 3e-4
-FOLD_LEAST_START = 1e-8
+FOLD_MIN_START = 1e-8
 # Accepted error of the two equations (of order one) of a pair (q_a, q_5): some roundings.
 PAIR_ERROR = 1e-12
-# Ratio of the factors of these equations below which the roots of the polynomial are close, and the
-# equations as if they separated give further starts.
+# Ratio of the factors of these equations below which the roots of the polynomial are close, and
+# the equations without the smaller term give further starts.
 NEARLY_SEPARATE = 1e-2
 # An extremum of the polynomial for q_a this near to zero (of its largest value) is tried as a
 # double root, which has half of the digits.  A wrong one fails the accuracy of the pair.
@@ -200,7 +200,7 @@ def _add_pairs(data, d, c, s, pairs, count):
     sure = other > 1e-3 and not nearly_separate
     starts = 2 if other >= FOLD_START else 4
     for start in range(starts):
-        value = max(other, FOLD_START if start < 2 else FOLD_LEAST_START)
+        value = max(other, FOLD_START if start < 2 else FOLD_MIN_START)
         if start % 2 == 0:
             value = -value
         if sure and value * guess < 0.0:

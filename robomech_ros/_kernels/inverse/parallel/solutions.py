@@ -4,7 +4,7 @@ from robomech_ros._kernels.algebra.angles import wrapped
 from robomech_ros._kernels.compiling.jit import lean, lean_part, scratch
 from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT2, ZERO, i8
 from robomech_ros._kernels.inverse.branch_bits import BOUNDARY, DOUBT, SHOULDER_SINGULAR
-from robomech_ros._kernels.inverse.general.multiplicity import FOLD_LEAST, all_simple
+from robomech_ros._kernels.inverse.general.multiplicity import MIN_FOLD_SLOPE, all_simple
 from robomech_ros._kernels.inverse.parallel import layout as at
 from robomech_ros._kernels.inverse.parallel.arm import MAX_SOLUTIONS, finish_pair
 from robomech_ros._kernels.inverse.parallel.continuum import free_pairs
@@ -97,7 +97,7 @@ def _are_simple(data, q, branch, count):
         return True
     packed = data[at.PACKED : at.LENGTH].reshape(7, 13)
     size = data[at.SIZE]
-    return all_simple(packed, size, q, branch, BOUNDARY, count, GENERAL_SINGULAR, FOLD_LEAST)
+    return all_simple(packed, size, q, branch, BOUNDARY, count, GENERAL_SINGULAR, MIN_FOLD_SLOPE)
 
 
 @lean_part(i8(IN1, IN2, IN1, OUT2, IOUT1))

@@ -1,4 +1,4 @@
-"""Postures for an arm angle, seven revolute joints with a spherical shoulder and spherical wrist.
+"""Postures of seven revolute joints, spherical at shoulder and wrist, for an arm angle.
 
 The distance between both centres gives joint 4.  Shoulder, elbow and wrist are then a rigid
 triangle that can turn about the line between the centres; the arm angle is that of the elbow,

@@ -17,7 +17,7 @@ SIX = 4  # family of the six joints
 GENERAL = 5
 SAMPLES = 6  # number of values of the redundancy parameter
 SIZE = 7  # length of the arm (m)
-# Start of the ARM_ANGLE layout of a LOCKED arm whose axes nearly meet in two points; 0.0 for others
+# Start of the ARM_ANGLE layout of a LOCKED arm with two nearly spherical joints; 0.0 for others
 ANGLE = 8
 # For a LOCKED arm whose locked joint moves shoulder and wrist together: the centre outside the six
 # joints, in the base or, if joint 1 is locked, in the tip frame (m); the direction of the other

@@ -20,7 +20,7 @@ TRACE_ERROR = 0.3
 # Steps towards a minimum: the first, the longest, their growth, the shortest interval around the
 # minimum (rad or m), and their largest number.  EDGE is the smallest fraction cut off an interval.
 SETTLE_STEP = 0.01
-SETTLE_MOST = 0.1
+SETTLE_MAX_STEP = 0.1
 SETTLE_GROWTH = 2.0
 SETTLE_SHORTEST = 1e-8
 SETTLE_STEPS = 40
@@ -144,7 +144,7 @@ def settle(packed, T, request, space, g, q):
     last, length, found = first, SETTLE_STEP, False
     for _ in range(SETTLE_STEPS):
         if first[0] >= OUTSIDE and first[1] < 0.0:
-            length = min(max(length, (OUTSIDE - first[0]) / first[1]), SETTLE_MOST)
+            length = min(max(length, (OUTSIDE - first[0]) / first[1]), SETTLE_MAX_STEP)
         for i in range(7):
             b[i], gb[i] = a[i] + length * ga[i], ga[i]
         if not move_onto(packed, T, space, gb, b):
@@ -155,7 +155,7 @@ def settle(packed, T, request, space, g, q):
             break
         copy(b, a)
         copy(gb, ga)
-        first, length = last, min(SETTLE_GROWTH * length, SETTLE_MOST)
+        first, length = last, min(SETTLE_GROWTH * length, SETTLE_MAX_STEP)
     same = 0
     for _ in range(SETTLE_STEPS if found else 0):
         length = 0.0

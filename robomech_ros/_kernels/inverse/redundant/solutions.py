@@ -41,11 +41,11 @@ STARTS = 256
 APPROACHED = 3
 APPROACHED_WITHIN = 0.8
 # If steps from the seed end farther than FROM (rad or m), others start near it, with some joints
-# displaced by the factor BY of the distance, at most MOST; the last two only if none is nearer.
+# displaced by the factor BY of the distance, at most MAX; the last two only if none is nearer.
 BESIDE = 4
 BESIDE_FROM = 0.1
 BESIDE_BY = 0.9
-BESIDE_MOST = 0.6
+BESIDE_MAX = 0.6
 # Number of starts in a box around the seed that find the branches of seven joints along which the
 # locked joint hardly moves.
 SCATTERED = 24
@@ -72,10 +72,10 @@ def _approach_from_seed(packed, T, request, beside, q):
         q[i] = seed[i]
     distance = approach(packed, T, lower, upper, seed, metric, bounded, q)
     for k in range(BESIDE if n > 7 else 0):
-        if distance <= (BESIDE_FROM if k < 2 else BESIDE_MOST):
+        if distance <= (BESIDE_FROM if k < 2 else BESIDE_MAX):
             break
         # First move two joints to one side and to the other, then all of them.
-        away = BESIDE_BY * min(distance, BESIDE_MOST) * (1.0 if k % 2 == 0 else -1.0)
+        away = BESIDE_BY * min(distance, BESIDE_MAX) * (1.0 if k % 2 == 0 else -1.0)
         for i in range(n):
             side = 0.0 if k < 2 and i != 0 and i != 2 else away
             alternate = i == 2 if k < 2 else i % 2 == 1

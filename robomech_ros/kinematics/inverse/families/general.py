@@ -60,7 +60,7 @@ def match(chain: SerialChain) -> Array | None:
     if not good:
         return None
     good.sort(key=lambda one: (-one[0], one[1]))
-    good = good[: at.MOST_FORMS]
+    good = good[: at.MAX_FORMS]
     head[at.FORMS], head[at.CLEAN] = len(good), good[0][0] / _TRIALS
     data = np.concatenate((head, *(form for _, _, form in good)))
     data.setflags(write=False)
