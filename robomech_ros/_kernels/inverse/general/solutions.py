@@ -270,9 +270,7 @@ def solve_general(data, T, seed, q, branch):
         clean = _solve_nudged(data, T, seed, void, q, marks, state)
         if slides and clean:
             # Far along a continuum of slides it may not be detected as one.
-            clean = all_simple(
-                packed, size, q, marks, 0, state[COUNT], GENERAL_REGULAR, FOLD_SHARP
-            )
+            clean = all_simple(packed, size, q, marks, 0, state[COUNT], GENERAL_REGULAR, FOLD_SHARP)
         if state[COUNT] == 0:
             clean = False
             _search(data, T, seed, q, marks, state)
