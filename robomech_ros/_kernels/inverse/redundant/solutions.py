@@ -42,10 +42,10 @@ APPROACHED = 3
 APPROACHED_WITHIN = 0.8
 # If steps from the seed end farther than FROM (rad or m), others start near it, with some joints
 # displaced by the factor BY of the distance, at most MAX; the last two only if none is nearer.
-BESIDE = 4
-BESIDE_FROM = 0.1
-BESIDE_BY = 0.9
-BESIDE_MAX = 0.6
+NEARBY = 4
+NEARBY_FROM = 0.1
+NEARBY_BY = 0.9
+NEARBY_MAX = 0.6
 # Number of starts in a box around the seed that find the branches of seven joints along which the
 # locked joint hardly moves.
 SCATTERED = 24
@@ -61,31 +61,31 @@ INEXACT = np.int64(-1)
 
 
 @lean
-def _approach_from_seed(packed, T, request, beside, q):
+def _approach_from_seed(packed, T, request, nearby, q):
     """Write the nearest posture found by steps from the seed and from starts near it to q (n,).
 
-    ``beside`` (n,) is working space.  Returns the distance, infinite if none is found.
+    ``nearby`` (n,) is working space.  Returns the distance, infinite if none is found.
     """
     _, lower, upper, seed, metric, bounded = request
     n = seed.shape[0]
     for i in range(n):
         q[i] = seed[i]
     distance = approach(packed, T, lower, upper, seed, metric, bounded, q)
-    for k in range(BESIDE if n > 7 else 0):
-        if distance <= (BESIDE_FROM if k < 2 else BESIDE_MAX):
+    for k in range(NEARBY if n > 7 else 0):
+        if distance <= (NEARBY_FROM if k < 2 else NEARBY_MAX):
             break
         # First move two joints to one side and to the other, then all of them.
-        away = BESIDE_BY * min(distance, BESIDE_MAX) * (1.0 if k % 2 == 0 else -1.0)
+        away = NEARBY_BY * min(distance, NEARBY_MAX) * (1.0 if k % 2 == 0 else -1.0)
         for i in range(n):
             side = 0.0 if k < 2 and i != 0 and i != 2 else away
             alternate = i == 2 if k < 2 else i % 2 == 1
             there = seed[i] - side if alternate else seed[i] + side
-            beside[i] = min(max(there, lower[i]), upper[i])
-        found = approach(packed, T, lower, upper, seed, metric, bounded, beside)
+            nearby[i] = min(max(there, lower[i]), upper[i])
+        found = approach(packed, T, lower, upper, seed, metric, bounded, nearby)
         if found < distance:
             distance = found
             for i in range(n):
-                q[i] = beside[i]
+                q[i] = nearby[i]
     return distance
 
 
