@@ -1,4 +1,4 @@
-"""Angles modulo a turn, and of directions."""
+"""Wrapping of angles, and the angle of a direction."""
 
 import math
 
@@ -8,7 +8,7 @@ _TURN = 2.0 * math.pi
 _TURN_AND_HALF = 3.0 * math.pi
 # Tangent of pi / 8.
 _TANGENT = math.sqrt(2.0) - 1.0
-# Differences of pi / 4, pi / 2 and pi from their nearest doubles.
+# Differences between pi / 4, pi / 2 and pi and their nearest doubles.
 _REST_4 = 3.061616997868383e-17
 _REST_2 = 6.123233995736766e-17
 _REST = 1.2246467991473532e-16
@@ -25,9 +25,9 @@ def wrapped(angle):
 
 @lean
 def angle_of(sine, cosine):
-    """Angle of a direction given by its sine and cosine up to a common factor, in [-pi, pi].
+    """Return the angle in [-pi, pi] with this sine and cosine, up to a common positive factor.
 
-    As atan2, to two units in the last place, but without branches, in half of its time; 0 where
+    It is atan2 to two units in the last place, but without branches and in half the time; 0 if
     both are 0 or their sum overflows.  The polynomial for |t| < 7/16 is that of fdlibm.
     """
     x, y = abs(cosine), abs(sine)

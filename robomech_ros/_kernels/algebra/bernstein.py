@@ -1,4 +1,4 @@
-"""Polynomials on [0, 1] in the basis whose coefficients bound them.
+"""Conversion of polynomials on [0, 1] to the Bernstein basis, whose coefficients bound them.
 
 References
 ----------
@@ -12,7 +12,7 @@ import numpy as np
 
 from robomech_ros._kernels.compiling.jit import inline
 
-# One over the binomial coefficients, up to the degree of the square of a speed.
+# Inverses of the binomial coefficients, up to the degree of a squared speed.
 _INVERSE_BINOMIALS = np.array(
     [[1.0 / math.comb(n, k) if k <= n else 0.0 for k in range(13)] for n in range(13)]
 )

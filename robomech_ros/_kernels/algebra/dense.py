@@ -1,4 +1,4 @@
-"""Small dense solves written out, since numba's own linear algebra loads SciPy."""
+"""Solution of small dense linear systems; numba's own linear algebra would load SciPy."""
 
 import math
 
@@ -7,10 +7,10 @@ from robomech_ros._kernels.compiling.jit import flat, lean
 
 @lean
 def cholesky_solve(A, b, n):
-    """Solve A x = b for a symmetric positive definite A (n, n), the result in place of b.
+    """Solve A x = b for a symmetric positive definite A (n, n), and overwrite b with x.
 
-    The lower triangle of A is read and overwritten by the Cholesky factor.  Returns False, with
-    b spoilt, where A is not positive definite to working precision.
+    Only the lower triangle of A is read; the Cholesky factor overwrites it.  Returns False, with
+    b invalid, if A is not positive definite to working precision.
     """
     for j in range(n):
         pivot = A[j, j]
@@ -36,7 +36,7 @@ def cholesky_solve(A, b, n):
 
 @lean
 def _backwards(A, b, n):
-    """Solve with the transposed Cholesky factor, the inverses of its diagonal in place of it."""
+    """Solve with the transposed Cholesky factor, whose diagonal is stored inverted."""
     for j in range(n - 1, -1, -1):
         value = b[j]
         for k in range(j + 1, n):
@@ -57,9 +57,9 @@ def cholesky_again(A, b, n):
 
 @flat
 def factored(A, order, least):
-    """Replace A (n, n) by its factors L U, the inverses of the pivots on the diagonal.
+    """Replace A (n, n) by its factors L U, with inverted pivots on the diagonal.
 
-    ``order`` (n,) are the rows that were taken.  Returns False where no pivot is above ``least``.
+    ``order`` (n,) receives the pivot rows.  Returns False if a pivot is not above ``least``.
     """
     n = A.shape[0]
     for k in range(n):
@@ -84,7 +84,7 @@ def factored(A, order, least):
 
 @flat
 def solve_factored(A, order, b):
-    """Solve with the factors that :func:`factored` has left, the result in place of b (n,)."""
+    """Solve with the factors that :func:`factored` left in A, and overwrite b (n,) with x."""
     n = A.shape[0]
     for k in range(n):
         b[k], b[order[k]] = b[order[k]], b[k]

@@ -1,6 +1,6 @@
-"""Real roots of trigonometric polynomials of order one and two, none lost at a double root.
+"""Real roots of trigonometric polynomials of order one and two, including double roots.
 
-Roots are given as cosine and sine, so that an angle of half a turn is no special case.
+Roots are returned as cosine and sine, so that an angle of half a turn is no special case.
 """
 
 import math
@@ -8,10 +8,10 @@ import math
 from robomech_ros._kernels.compiling.jit import lean, lean_part
 from robomech_ros._kernels.compiling.types import OUT2, f8, i8
 
-# A polynomial's extremum, or a discriminant, this small (relative) is rounding: a double root.
-# The two roots it merges lie within its square root of each other.
+# Relative size of an extremum, or of a discriminant, that counts as zero: a double root.
+# The merged roots differ by at most the square root of this.
 DOUBLE_ROOT = 1e-14
-# Rounding of coefficients of order one: if all are smaller, the equation is void.
+# Rounding error of coefficients of order one: if all are smaller, every x is a root.
 VANISHING = 1e-12
 
 _HALF = math.sqrt(0.5)
@@ -29,13 +29,13 @@ _EIGHTHS = (
 
 @lean
 def value(form, cosine, sine):
-    """Evaluate a constant, a cosine and a sine part."""
+    """Evaluate the form a + c cos x + s sin x."""
     return form[0] + form[1] * cosine + form[2] * sine
 
 
 @lean
 def square(form):
-    """Square a constant, a cosine and a sine part: parts of 1, cos, sin, cos 2x and sin 2x."""
+    """Return the square of a + c cos x + s sin x: parts of 1, cos x, sin x, cos 2x and sin 2x."""
     a, c, s = form
     return a * a + 0.5 * (c * c + s * s), 2.0 * a * c, 2.0 * a * s, 0.5 * (c * c - s * s), c * s
 
@@ -44,8 +44,8 @@ def square(form):
 def quadratic_roots(a, b, c, slack):
     """Solve a x^2 + 2 b x + c = 0 as (count, x_1, x_2), x_1 <= x_2, coefficients of order one.
 
-    A root at infinity (a = 0) is left out.  A pair that misses the real line by a discriminant
-    up to ``slack`` counts as one double root; -1 roots mean that every x is one.
+    A root at infinity (a = 0) is omitted.  A complex pair whose discriminant is above -``slack``
+    counts as one double root; a count of -1 means that every x is a root.
     """
     if abs(a) <= VANISHING:
         if abs(b) <= VANISHING:
@@ -66,8 +66,8 @@ def quadratic_roots(a, b, c, slack):
 def order_one_roots(k, c, s, slack):
     """Solve k + c cos x + s sin x = 0 as (count, cos x_1, sin x_1, cos x_2, sin x_2).
 
-    The left side falls at the first root and rises at the second.  One root stands for a double
-    one, which is kept where k is too large by up to ``slack``; -1 roots mean that every x is one.
+    The left side falls at the first root and rises at the second.  A count of 1 is a double root,
+    also if |k| is too large by up to ``slack``; a count of -1 means that every x is a root.
     """
     square = c * c + s * s
     radius = math.sqrt(square)
@@ -90,7 +90,7 @@ def order_one_roots(k, c, s, slack):
 
 @lean
 def _newton_on_cubic(t, a, b, c):
-    """Improve a root of t^3 + a t^2 + b t + c, unless the slope is that of a double root."""
+    """Improve a root of t^3 + a t^2 + b t + c, unless it is nearly a double root."""
     for _ in range(2):
         slope = (3.0 * t + 2.0 * a) * t + b
         step = ((t + a) * t + b) * t + c
@@ -102,7 +102,7 @@ def _newton_on_cubic(t, a, b, c):
 
 @lean
 def cubic_knots(a, b, c):
-    """Return, in order, the real parts of the roots of t^3 + a t^2 + b t + c."""
+    """Return the real parts of the roots of t^3 + a t^2 + b t + c in ascending order."""
     shift = -a / 3.0
     p = b - a * a / 3.0
     q = (2.0 * a * a / 27.0 - b / 3.0) * a + c
@@ -128,7 +128,7 @@ def cubic_knots(a, b, c):
 
 @lean
 def _bracketed_root(b, c, d, e, low, high, rising):
-    """Find the root of t^4 + b t^3 + c t^2 + d t + e between points of opposite sign."""
+    """Return the root of t^4 + b t^3 + c t^2 + d t + e between points of opposite sign."""
     t = 0.5 * (low + high)
     for _ in range(80):
         f = (((t + b) * t + c) * t + d) * t + e
@@ -151,9 +151,8 @@ def _bracketed_root(b, c, d, e, low, high, rising):
 def _quartic_roots(b, c, d, e, touching, roots):
     """Write the real roots of t^4 + b t^3 + c t^2 + d t + e to the first column of ``roots``.
 
-    The quartic is cut at its extrema.  An extremum that is zero up to rounding is a double root
-    in its own right, and no root is sought again on either side of it, unless it is so flat that
-    there may be more than two.
+    The quartic is divided at its extrema.  An extremum that is zero up to rounding is a double
+    root, and intervals next to it are not searched, unless it is so flat that there may be more.
     """
     k1, k2, k3 = cubic_knots(0.75 * b, 0.5 * c, 0.25 * d)
     bound = 1.0 + max(max(abs(b), abs(c)), max(abs(d), abs(e)))
@@ -185,10 +184,10 @@ def order_two_roots(a0, a1, b1, a2, b2, touching, roots):
     """Solve a0 + a1 cos x + b1 sin x + a2 cos 2x + b2 sin 2x = 0, coefficients of order one.
 
     Rows [cos x, sin x] are written to ``roots`` (7, 2): every sign change, and every extremum
-    nearer to zero than ``touching`` times the largest value of the polynomial.  Returns how many,
-    -1 where the polynomial is zero throughout.
+    nearer to zero than ``touching`` times the largest value of the polynomial.  Returns the number
+    of roots, or -1 if the polynomial is zero everywhere.
     """
-    # The half angle's tangent is infinite where the polynomial is largest, so nothing is lost.
+    # The half angle's tangent is infinite where the polynomial is largest: no root is there.
     largest = 0.0
     cos0 = 1.0
     sin0 = 0.0

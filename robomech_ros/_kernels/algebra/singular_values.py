@@ -1,15 +1,15 @@
-"""Singular values of small matrices, the small ones as accurate as the large ones."""
+"""Singular values of small matrices, all to the same relative accuracy."""
 
 import math
 
 from robomech_ros._kernels.compiling.jit import inline
 
-# Least singular value of a Jacobian (of its largest) of a posture that is not called singular.
+# Least ratio of the smallest to the largest singular value of a regular Jacobian.
 SINGULAR = 1e-12
-# Cosine between two rows that counts as zero when singular values are computed.
+# Cosine between two rows that count as orthogonal.
 ROWS_ORTHOGONAL = 1e-15
 
-# Sweeps over all pairs of rows; six rows need about five.
+# Largest number of sweeps over all pairs of rows; six rows need about five.
 _SWEEPS = 30
 
 
@@ -32,9 +32,9 @@ def _rotate(W, i, j, a, b, c):
 def make_rows_orthogonal(W, columns):
     """Turn the rows of W (r, c) by one-sided Jacobi rotations until they are orthogonal.
 
-    Only the first `columns` are looked at, r of them or more; the others are turned along.  A unit
-    matrix there becomes R with R A = W, A the first columns as they were: the rows of R are left
-    singular vectors of A, those of W right ones times the singular values.
+    The first `columns` (at least r) decide, and the rotations apply to all.  If these are A, and
+    the others a unit matrix, they become R A and R: the rows of R are left singular vectors of A,
+    those of R A are right singular vectors times singular values.
     """
     for _ in range(_SWEEPS):
         done = True
@@ -64,7 +64,7 @@ def row_lengths(W, columns, out):
 
 @inline
 def condition_of(values):
-    """Ratio of the largest to the least of singular values (k,); infinite where one is zero."""
+    """Return the ratio of the largest to the least singular value; infinite if one is zero."""
     largest, least = 0.0, math.inf
     for value in values:
         largest = max(largest, value)

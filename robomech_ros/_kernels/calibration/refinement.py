@@ -18,17 +18,17 @@ from robomech_ros._kernels.spatial.vectors import dot
 _LEAST = 1e-26
 _STEPS = 30
 _ROUNDS = 25
-_BRIEF = 3  # while shares are compared
+_BRIEF = 3  # rounds for each compared share
 _SMALL_SHARE = 0.1
 _WORTH = 2.0  # twice the logarithm of the likelihood that one more parameter gains
 _SETTLED = 1e-3
 _LEAST_FREEDOM = 0.5
-_LEAST_WEIGHT = 1e-10  # of a free direction, as part of the greatest weight
+_LEAST_WEIGHT = 1e-10  # of a free direction, relative to the largest weight
 
 
 @kernel(i8(IN2, IN2, OUT1, OUT1, i8, OUT1))
 def distances(A, S, at, noise, inverted, out):
-    """Write the squared distances (n,) of samples from the unknowns, by their noise."""
+    """Write the squared Mahalanobis distances (n,) of samples from their predictions."""
     P = scratch(3, 3)
     for i in range(A.shape[0]):
         turn, shift, _, lever = residual(A[i], S[i], at, inverted, P)
@@ -39,10 +39,10 @@ def distances(A, S, at, noise, inverted, out):
 
 @lean
 def _hold(at, free, M, g):
-    """Replace the free direction of the normal equations by the knowledge about it.
+    """Fix the unobservable direction of the normal equations with a prior weight.
 
-    Along the axis free[:3] of X's parent, free[3:6] of Z's, both positions move together: free[6]
-    is the weight of staying where they are; with a small one equations could not be solved.
+    Along the axis free[:3] in X's parent, free[3:6] in Z's, both positions may shift together.
+    The weight free[6] of their present values keeps the equations solvable.
     """
     if not free[6] > 0.0:
         return
@@ -68,7 +68,7 @@ def _hold(at, free, M, g):
 
 @inline
 def _settle(samples, at, noise, free, inverted, M, g, sums):
-    """Take damped Gauss-Newton steps of given noise; M and sums are those of the end."""
+    """Take damped Gauss-Newton steps with constant noise; write M and sums of the last step."""
     P, J, F, d, trial = scratch(3, 3), scratch(12, 3), scratch(12, 12), scratch(12), scratch(24)
     other, slope, found = scratch(12, 12), scratch(12), scratch(13)
     accumulate(samples, at, noise, inverted, P, J, (M, g, sums))
@@ -102,7 +102,7 @@ def _settle(samples, at, noise, free, inverted, M, g, sums):
 
 @inline
 def _inverted(M, C):
-    """Write the inverse of M, lower triangle; return the logarithm of its determinant, or NaN."""
+    """Write the lower triangle of M's inverse; return the logarithm of M's determinant, or NaN."""
     F, e = scratch(12, 12), scratch(12)
     F[:] = M
     e[:] = 0.0
@@ -123,7 +123,7 @@ def _inverted(M, C):
 
 @inline
 def _fit(samples, at, noise, free, inverted, known, rounds, M, C):
-    """Alternate between the estimate and the two variances by the redundancy of residuals."""
+    """Estimate unknowns and variances in turn; return -2 times the restricted log-likelihood."""
     g, sums = scratch(12), scratch(13)
     determinant = 0.0
     for _ in range(rounds):
@@ -151,10 +151,10 @@ def _fit(samples, at, noise, free, inverted, known, rounds, M, C):
 
 @inline
 def _shared(samples, at, noise, free, inverted, M, C):
-    """Find the robot's share of the rotation noise: the most likely one, by bisection.
+    """Find the most likely share of the robot in the rotation noise by bisection.
 
-    Gives twice the gain of the logarithm of the restricted likelihood over no share; where a small
-    share gains nothing, no other is tried.
+    Returns twice the gain of the restricted log-likelihood over a share of 0.  If a small share
+    gains nothing, no other is tried.
     """
     noise[2] = 0.0
     plain = _fit(samples, at, noise, free, inverted, False, _BRIEF, M, C)
@@ -189,7 +189,7 @@ def _shared(samples, at, noise, free, inverted, M, C):
 def refine(A, S, use, at, noise, free, inverted, known, shared, information):
     """Refine X and Z (24) and the noise (3) in place; write the information (12, 12).
 
-    If the robot's share gains less than it costs, it is 0.  For free (7) see `_hold`.
+    If the robot's share improves the likelihood too little, it is 0.  `_hold` explains free (7).
     """
     M, C = scratch(12, 12), scratch(12, 12)
     if shared and not known:
@@ -205,7 +205,7 @@ def refine(A, S, use, at, noise, free, inverted, known, shared, information):
 
 @kernel(i8(IN2, OUT1, OUT1, i8, OUT3))
 def information_of(A, at, noise, inverted, out):
-    """Write the information (12, 12) that a sample at each of the poses A (m, 12) would bring."""
+    """Write the information (m, 12, 12) that a sample at each pose A (m, 12) would add."""
     P, J, M, g, sums = scratch(3, 3), scratch(12, 3), scratch(12, 12), scratch(12), scratch(13)
     seen, use = scratch(1, 12), scratch(1)
     seen[:], use[0] = 0.0, 1.0

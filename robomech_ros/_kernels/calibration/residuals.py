@@ -1,8 +1,8 @@
 """Residuals of A_i X S_i = Z, with noise on both sides, and their normal equations.
 
-A pose is a row of twelve numbers, its matrix row by row, then its origin; the unknowns are a row
-of 24, X and then Z.  A noise is three numbers: variances of rotation (rad^2) and of position (m^2)
-of both sides together, and the robot's share of the former.
+A pose is a row of twelve numbers: rotation matrix row by row, then origin.  The unknowns (24,) are
+X, then Z.  The noise (3,) is the variances of rotation (rad^2) and position (m^2) of both sides
+together, and the robot's share of the rotation variance.
 """
 
 import math
@@ -21,7 +21,7 @@ UNKNOWNS = 12
 
 @lean
 def _times(a, i, v):
-    """Product of the matrix in entries i to i + 8 with a vector."""
+    """Return the product of the matrix in entries i to i + 8 and a vector."""
     return (
         a[i] * v[0] + a[i + 1] * v[1] + a[i + 2] * v[2],
         a[i + 3] * v[0] + a[i + 4] * v[1] + a[i + 5] * v[2],
@@ -31,7 +31,7 @@ def _times(a, i, v):
 
 @lean
 def _back(a, i, v):
-    """Product of the transposed matrix in entries i to i + 8 with a vector."""
+    """Return the product of the transposed matrix in entries i to i + 8 and a vector."""
     return (
         a[i] * v[0] + a[i + 3] * v[1] + a[i + 6] * v[2],
         a[i + 1] * v[0] + a[i + 4] * v[1] + a[i + 7] * v[2],
@@ -41,7 +41,7 @@ def _back(a, i, v):
 
 @lean
 def _predicted(A, at, P):
-    """Write the predicted rotation P of the sensor; return its position and R_X^T d."""
+    """Write the predicted sensor rotation P; return its position, and the lever to the target."""
     for j in range(3):
         column = _back(at, 0, _back(A, 0, (at[12 + j], at[15 + j], at[18 + j])))
         P[0, j], P[1, j], P[2, j] = column
@@ -54,7 +54,7 @@ def _predicted(A, at, P):
 
 @lean
 def residual(A, S, at, inverted, P):
-    """Return rotation and position error of one sample, predicted position and lever; write P.
+    """Return rotation error, position error, predicted position and lever of a sample; write P.
 
     The lever goes from the hand's origin to the target, in the sensor's frame: an error of the
     robot's rotation moves the target about that origin.
@@ -85,9 +85,9 @@ def _whiten(v, lever, square, along, across):
 
 @lean
 def whitened(turn, shift, lever, noise):
-    """Return the position error for a rotation error, in deviations, and its scale.
+    """Return the position error, given the rotation error, in standard deviations.
 
-    These are the lever's square, the variance across it, and the weights along and across it.
+    Returns also the lever's square, the variance across it, and the weights along and across it.
     """
     square = dot(lever, lever)
     share = noise[2]
@@ -99,7 +99,7 @@ def whitened(turn, shift, lever, noise):
 
 @lean
 def _position_rows(P, t, lever, share, square, along, across, J):
-    """Write the whitened derivatives of the position error, given that of the rotation."""
+    """Write the whitened derivatives of the position error, given the rotation error."""
     for j in range(3):
         unit = 1.0 * (j == 0), 1.0 * (j == 1), 1.0 * (j == 2)
         p = P[0, j], P[1, j], P[2, j]
@@ -156,7 +156,7 @@ def accumulate(samples, at, noise, inverted, P, J, equations):
 
 @lean
 def _turned(at, i, d, k, out):
-    """Turn the pose at entry i of the unknowns by entries k to k + 5 of a step, its own axes."""
+    """Write the pose at entry i, moved in its own axes by entries k to k + 5 of a step."""
     x, y, z, w = quaternion_of_vector(d[k], d[k + 1], d[k + 2])
     norm = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
     x, y, z, w = x * norm, y * norm, z * norm, w * norm
@@ -173,6 +173,6 @@ def _turned(at, i, d, k, out):
 
 @lean
 def moved(at, d, out):
-    """Write the unknowns after a step of twelve numbers: rotation and shift of X, then of Z."""
+    """Write the unknowns after a step (12,): rotation and translation of X, then of Z."""
     _turned(at, 0, d, 0, out)
     _turned(at, 12, d, 6, out)

@@ -1,4 +1,4 @@
-"""Initial guess without iteration, the errors of samples there, and their rotations."""
+"""Linear initial guess of X and Z, and errors and rotation moments of the samples."""
 
 import math
 
@@ -14,6 +14,7 @@ from robomech_ros._kernels.spatial.vectors import cross, dot
 
 @inline
 def _reweigh(A, S, at, weight):
+    """Set the weights of samples to the inverses of their position errors."""
     P = scratch(3, 3)
     total = 0.0
     for i in range(A.shape[0]):
@@ -28,9 +29,9 @@ def _reweigh(A, S, at, weight):
 
 @kernel(i8(IN2, IN2, OUT1, i8, OUT1))
 def linear_positions(A, S, weight, rounds, at):
-    """Find the positions of X and Z for their rotations: least sums of distances.
+    """Find the positions of X and Z, given their rotations, with the least sum of distances.
 
-    Each round sets the weights of least squares to the inverse distances, from the given ones.
+    Each round solves a weighted least-squares problem; the next weights are inverse distances.
     """
     M, b, right = scratch(6, 6), scratch(6), scratch(3)
     for k in range(rounds):
@@ -63,7 +64,7 @@ def linear_positions(A, S, weight, rounds, at):
 
 @inline
 def _make_rotation(W, at, first, either):
-    """Replace the matrix in nine entries, or its better sign, by the nearest rotation."""
+    """Replace a matrix in nine entries by the nearest rotation; if `either`, of either sign."""
     W[:] = 0.0
     for j in range(3):
         W[j, 3 + j] = 1.0
@@ -95,7 +96,7 @@ def _make_rotation(W, at, first, either):
 
 @kernel(i8(IN2, IN2, OUT1, OUT2))
 def squared_errors(A, S, at, out):
-    """Write the squared errors of rotation (rad^2) and position (m^2), a row (n) of each."""
+    """Write the squared errors of rotation (rad^2) and position (m^2), as rows (n,)."""
     P = scratch(3, 3)
     for i in range(A.shape[0]):
         turn, shift, _, _ = residual(A[i], S[i], at, 0, P)
@@ -105,9 +106,9 @@ def squared_errors(A, S, at, out):
 
 @kernel(i8(IN2, OUT1))
 def make_rotations(square, at):
-    """Make the rotation of X (24) of a matrix near it, and that of Z of the product with square.
+    """Replace the matrix of X by the nearest rotation, and write Z's rotation from it.
 
-    The matrix square (9, 9) takes the entries of X's rotation to a matrix near Z's.
+    The product of square (9, 9) and the entries of X's rotation is close to Z's rotation.
     """
     W = scratch(3, 6)
     if not _make_rotation(W, at, 0, True):
@@ -121,10 +122,10 @@ def make_rotations(square, at):
 
 @kernel(i8(IN2, IN2, IN1, OUT1, OUT2))
 def common_turns(A, S, use, at, out):
-    """Write the rotation moments of the samples from both sides, (3, 3) in X's parent.
+    """Write the moments (3, 3) of the rotations of the samples, in the axes of X's parent.
 
-    Its product with a vector from both sides is the mean of p_i q_i: the moves of a point there as
-    the robot's rotations have it, and as the sensor's do.
+    For a vector v, v . out v is the mean of p_i . q_i: the displacements of the point v by the
+    rotations of the robot, and by those of the sensor, from their means.
     """
     P, mean, seen = scratch(3, 3), scratch(3, 3), scratch(3, 3)
     mean[:], seen[:], out[:] = 0.0, 0.0, 0.0

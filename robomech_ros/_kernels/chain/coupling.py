@@ -1,6 +1,6 @@
-"""Chains with joints that follow others: from the n drives to the m joints, and back.
+"""Conversions between the n drives and the m joints of a chain with mimic joints.
 
-The rows of their arrays are those of :mod:`.layout`; others are left as they are.
+:mod:`.layout` describes the rows of a coupled chain.
 """
 
 from robomech_ros._kernels.chain.layout import COUPLING_WIDTH, MODEL_WIDTH, PACKED_WIDTH
@@ -9,27 +9,27 @@ from robomech_ros._kernels.compiling.jit import lean
 
 @lean
 def is_coupled(packed):
-    """Return whether joints of a chain follow others."""
+    """Return whether a chain has mimic joints."""
     width = packed.shape[1]
     return width != PACKED_WIDTH and width != MODEL_WIDTH
 
 
 @lean
 def drive_count(packed):
-    """Return the number of drives: that of the joints, unless some follow others."""
+    """Return the number of drives, which is that of the joints if there are no mimic joints."""
     last = packed.shape[0] - 1
     return int(packed[last, packed.shape[1] - COUPLING_WIDTH]) if is_coupled(packed) else last
 
 
 @lean
 def drive_kind(packed, i):
-    """Return the kind of the value of drive i: TURN, SLIDE or ANGLE."""
+    """Return the kind of drive i: TURN, SLIDE or ANGLE."""
     return packed[i, packed.shape[1] - 1] if is_coupled(packed) else packed[i, 0]
 
 
 @lean
 def expand(packed, drives, shifted, out):
-    """Write the values of all joints (m,) to out, or their rates where they are not shifted."""
+    """Write the positions of all joints (m,) to out; if not `shifted`, their rates."""
     at = packed.shape[1] - COUPLING_WIDTH
     for i in range(packed.shape[0] - 1):
         out[i] = packed[i, at + 1] * drives[int(packed[i, at])]
@@ -39,7 +39,7 @@ def expand(packed, drives, shifted, out):
 
 @lean
 def collect(packed, joints, out):
-    """Add the efforts of the joints (m,), by their gains, to those of the drives (n,)."""
+    """Write the efforts of the drives (n,) from those of the joints (m,)."""
     at = packed.shape[1] - COUPLING_WIDTH
     for k in range(drive_count(packed)):
         out[k] = 0.0
@@ -49,7 +49,7 @@ def collect(packed, joints, out):
 
 @lean
 def collect_columns(packed, columns, out):
-    """Add up columns (r, m) of the joints, by their gains, to those (r, n) of the drives."""
+    """Write the columns (r, n) of the drives from those of the joints (r, m)."""
     at = packed.shape[1] - COUPLING_WIDTH
     for r in range(out.shape[0]):
         for k in range(drive_count(packed)):
@@ -60,7 +60,7 @@ def collect_columns(packed, columns, out):
 
 @lean
 def collect_square(packed, joints, out):
-    """Turn a matrix of the joints (m, m) into that of the drives (n, n)."""
+    """Write the matrix of the drives (n, n) from that of the joints (m, m)."""
     at = packed.shape[1] - COUPLING_WIDTH
     count = drive_count(packed)
     for k in range(count):

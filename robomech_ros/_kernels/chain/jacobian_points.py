@@ -8,9 +8,9 @@ from robomech_ros._kernels.spatial.vectors import combined, cross, lower, times,
 
 @lean
 def move_jacobian(J, pose, point):
-    """Change J (6, n) at the tip's origin to that at a point (3,) in the frame of the tip link.
+    """Change J (6, n) from the tip's origin to a point (3,) in the frame of the tip link.
 
-    ``v_P = v + omega x r`` with r the point seen from the tip's origin, in the axes of the base.
+    ``v_P = v + omega x r`` with r from the tip's origin to the point, in the axes of the base.
     """
     r = times(pose, (point[0], point[1], point[2]))
     for i in range(J.shape[1]):
@@ -19,7 +19,7 @@ def move_jacobian(J, pose, point):
 
 @kernel(i8(IN2, IN2, IN1, OUT3, OUT3))
 def point_jacobian(packed, q, point, out, poses):
-    """Jacobians at a point (3,) for q (m, n) into out (m, 6, n), the tip's poses into poses."""
+    """Write Jacobians at a point (3,) for q (m, n) to out (m, 6, n), and tip poses to poses."""
     status = 0
     for k in range(q.shape[0]):
         status |= jacobian_body(packed, q[k], out[k], poses[k])

@@ -1,7 +1,7 @@
-"""Derivatives of the Jacobian by the joints.
+"""Derivatives of the Jacobian with respect to the joint variables.
 
-With columns [a; m], angular part first (a = 0 for a prismatic joint), joint k turns those from its
-own on with its link, and carries the tip for those before it:
+With columns [a; m], angular part first (a = 0 for a prismatic joint), joint k rotates the columns
+from its own on with its link, and moves the tip for the columns before it:
 
 ``dJ_i / dq_k = [a_k x a_i; a_k x m_i]`` for k <= i, ``[0; a_i x m_k]`` for k > i.
 """
@@ -34,7 +34,7 @@ def rate_body(J, qd, out):
 
 @lean
 def gradient_body(J, G, out):
-    """Write the gradient (n,) of a function of J whose derivative by J is G (6, n) to out.
+    """Write the gradient (n,) to out of a function of J whose derivative with respect to J is G.
 
     Entry k is the sum of G * dJ / dq_k: ``a_k . sum_(i >= k) (a_i x g_i + m_i x h_i) + m_k .
     sum_(i < k) h_i x a_i`` with columns [g; h] of G.
@@ -53,7 +53,7 @@ def gradient_body(J, G, out):
 
 @lean_part(i8(IN2, IN1, OUT2, OUT1))
 def _coupled_gradient(packed, q, G, out):
-    """Write the gradient (n,) by the drives, from the derivative by their Jacobian G (6, n)."""
+    """Write the gradient (n,) for the drives from G (6, n), the derivative by their Jacobian."""
     m = packed.shape[0] - 1
     values, taken = scratch(MOST_JOINTS), scratch(MOST_JOINTS)
     columns, derivative, pose = scratch(6, MOST_JOINTS), scratch(6, MOST_JOINTS), scratch(4, 4)
@@ -77,6 +77,7 @@ def chain_gradient(packed, q, J, G, out):
 
 @lean_part(i8(IN2, IN1, IN1, OUT2))
 def _coupled_rate(packed, q, qd, out):
+    """Write the derivative for a chain with mimic joints; return the status."""
     m = packed.shape[0] - 1
     values, rates = scratch(MOST_JOINTS), scratch(MOST_JOINTS)
     columns, changes, pose = scratch(6, MOST_JOINTS), scratch(6, MOST_JOINTS), scratch(4, 4)
@@ -104,13 +105,13 @@ def _rate(packed, q, qd, J, pose, out):
 
 @kernel(i8(IN2, IN1, IN1, OUT2))
 def jacobian_rate_one(packed, q, qd, out):
-    """Time derivative of the Jacobian for one q, qd (n,) into out (6, n)."""
+    """Write the time derivative of the Jacobian for one q, qd (n,) to out (6, n)."""
     return _rate(packed, q, qd, np.empty((6, q.size)), np.empty((4, 4)), out)
 
 
 @kernel(i8(IN2, IN2, IN2, OUT3))
 def jacobian_rate(packed, q, qd, out):
-    """Time derivatives of the Jacobian for q, qd (m, n) into out (m, 6, n)."""
+    """Write time derivatives of the Jacobian for q, qd (m, n) to out (m, 6, n)."""
     J, pose = np.empty((6, q.shape[1])), np.empty((4, 4))
     status = 0
     for k in range(q.shape[0]):

@@ -1,4 +1,4 @@
-"""Least distance of a chain's tip from a point, over all joint values or those inside limits."""
+"""Least distance of a chain's tip from a point, with or without joint limits."""
 
 import math
 
@@ -20,14 +20,14 @@ from robomech_ros._kernels.compiling.jit import inline, kernel
 from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, f8, i8
 from robomech_ros._kernels.spatial.vectors import cross, dot, upper
 
-# A point this near (m) is reached: below what the message that names the distance shows, above
-# what the search attains at a point of the boundary, where its convergence is slow.
+# A point this near (m) is reached.  Error messages do not show smaller distances; at the boundary
+# of the workspace the search converges slowly, but to less than this.
 REACHED = 1e-7
 
 
 @inline
 def _offset(current, point, weights, r):
-    """Write the vector from the point to the tip, as far as it counts; return half its square."""
+    """Write the weighted vector from the point to the tip; return half its square."""
     square = 0.0
     for k in range(3):
         r[k] = weights[k] * (current[k, 3] - point[k])
@@ -37,7 +37,7 @@ def _offset(current, point, weights, r):
 
 @inline
 def _place(packed, q, joints):
-    """Write the Jacobian of all joints, and the pose of the tip, at q (n,)."""
+    """Write the Jacobian of all joints and the pose of the tip at q (n,)."""
     values, J, current = joints[:3]
     if is_coupled(packed):
         expand(packed, q, True, values)
@@ -48,7 +48,7 @@ def _place(packed, q, joints):
 
 @inline
 def _gradient_and_hessian(packed, weights, joints, r, g, H):
-    """Write the exact first and second derivatives of half the squared distance, by the drives."""
+    """Write the exact gradient and Hessian of half the squared distance for the drives."""
     _, J, _, slopes, curves = joints
     if not is_coupled(packed):
         _by_joints(packed, weights, J, r, g, H)
@@ -63,7 +63,7 @@ def _gradient_and_hessian(packed, weights, joints, r, g, H):
 
 @inline
 def _by_joints(packed, weights, J, r, g, H):
-    """Write the derivatives by the values of all joints.
+    """Write the gradient and the lower triangle of the Hessian for all joints.
 
     The second derivative of the tip's position by q_i and q_j, i <= j, is e_i x J_j for a
     revolute joint i and zero for a prismatic one.
@@ -81,7 +81,7 @@ def _by_joints(packed, weights, J, r, g, H):
 
 @inline
 def _hold(bounds, q, g, scale, A, b, n):
-    """Hold joints that are at a limit and would go beyond it."""
+    """Fix joints that are at a limit and would exceed it."""
     for i in range(n):
         if (q[i] <= bounds[0, i] and g[i] > 0.0) or (q[i] >= bounds[1, i] and g[i] < 0.0):
             b[i], A[i, i] = 0.0, scale
@@ -93,9 +93,9 @@ def _hold(bounds, q, g, scale, A, b, n):
 
 @inline
 def _descend(packed, wanted, bounds, q, bench, iterations):
-    """Go down to a local minimum by damped Newton steps; return half the squared distance.
+    """Find a local minimum by damped Newton steps; return half the squared distance.
 
-    ``wanted`` are the point and the weights of its components, ``bench`` is working space.
+    ``wanted`` holds the point and the weights of its components, ``bench`` is working space.
     """
     point, weights = wanted
     joints, r, g, H, A, b = bench
@@ -113,7 +113,7 @@ def _descend(packed, wanted, bounds, q, bench, iterations):
         slope = 0.0
         for i in range(n):
             scale = max(scale, abs(H[i, i]))
-            # Inside the limits: the end of the descent after a step of that length.
+            # At limits, the step that they allow measures convergence.
             there = min(max(q[i] - g[i], bounds[0, i]), bounds[1, i])
             slope = max(slope, min(abs(g[i]), abs(there - q[i])))
         if slope < 1e-13 * scale:
@@ -127,7 +127,7 @@ def _descend(packed, wanted, bounds, q, bench, iterations):
         if not cholesky_solve(A, b, n):
             damping = max(4.0 * damping, 1e-3)
             continue
-        # At most a radian; the motion of a slide is linear at any length.
+        # Steps are at most 1 rad; a prismatic joint moves the tip linearly at any length.
         longest = 0.0
         for i in range(n):
             if drive_kind(packed, i) != SLIDE:
@@ -152,14 +152,13 @@ def _descend(packed, wanted, bounds, q, bench, iterations):
 
 @kernel(f8(IN2, IN2, IN2, IN1, types.UniTuple(i8, 3), f8, f8, OUT1))
 def least_distance(packed, wanted, bounds, strides, counts, enough, least, best):
-    """Search the least distance (m) of the tip from a point inside bounds (2, n).
+    """Search for the least distance (m) of the tip from a point within bounds (2, n).
 
-    ``wanted`` (2, 3) holds the point, and 1 for its components, along the axes of the base, that
-    count, else 0.
-    ``strides`` (n,) advance the starts, in turns or in metres; ``counts`` are the number of the
-    first one that is tried, how many are, and how many steps each takes at most.  ``best`` (n,)
-    receives the joint values where they are nearer than ``least`` (m), which an earlier search has
-    found, or infinite.  The search ends at once where the distance is ``enough`` (m).
+    ``wanted`` (2, 3) holds the point, and the weights, 1 or 0, of its components in base axes.
+    ``strides`` (n,) separate successive starts, in turns or metres.  ``counts`` are the number of
+    the first start, the number of starts, and the largest number of steps of each.  ``best`` (n,)
+    receives joint values that are nearer than ``least`` (m), the result of an earlier search or
+    infinite.  The search ends once the distance is at most ``enough`` (m).
     """
     point, weights = wanted[0], wanted[1]
     first, starts, iterations = counts

@@ -6,10 +6,10 @@ A chain is the constant transforms C_0 .. C_n between its joints, one row each o
 ``C_0 J_1(q_1) C_1 J_2(q_2) ... J_n(q_n) C_n`` with J_i a rotation about, or a translation along,
 the joint's z axis.
 
-If joints follow others, the rows are longer, and q are the drives: see :mod:`.layout`.
+With mimic joints, the rows are longer, and q are the drives: see :mod:`.layout`.
 
-Status: 0, or 1 where a joint variable is not finite, or so large that the pose is not; the pose is
-then NaN, the Jacobian undefined.
+Status: 0, or 1 if a joint variable is not finite, or so large that the pose is not finite.  Then
+the pose is NaN and the Jacobian undefined.
 """
 
 import math
@@ -45,7 +45,7 @@ def _first_frame(packed):
 
 @fused
 def _advance(frame, packed, i, value):
-    """Go from the frame before joint i through J_i(value) and C_(i+1)."""
+    """Return the frame before joint i, multiplied by J_i(value) and C_(i+1)."""
     r00, r01, r02, r10, r11, r12, r20, r21, r22, x, y, z = frame
     if packed[i, 0] == 0.0:
         c = math.cos(value)
@@ -88,13 +88,13 @@ def _write_pose(frame, T):
 
 @lean
 def _is_finite(frame):
-    """Return whether the origin is finite, unlike sums of huge displacements."""
+    """Return whether the origin is finite; a sum of huge displacements is not."""
     return math.isfinite(frame[9]) and math.isfinite(frame[10]) and math.isfinite(frame[11])
 
 
 @lean
 def _joint_forward(packed, q, T):
-    """Write the tip's pose, at the values (m,) of all joints, to T (4, 4)."""
+    """Write the tip's pose for the values (m,) of all joints to T (4, 4)."""
     frame = _first_frame(packed)
     for i in range(packed.shape[0] - 1):
         value = q[i]
@@ -126,7 +126,7 @@ def forward_body(packed, q, T):
 
 @fused
 def joint_jacobian(packed, q, J, T):
-    """Write the Jacobian (6, m) of all joints, as if each moved by itself, to J, and the pose T."""
+    """Write the Jacobian (6, m) of all joints, mimic joints uncoupled, to J, and the pose to T."""
     frame = _first_frame(packed)
     n = packed.shape[0] - 1
     for i in range(n):
@@ -134,7 +134,7 @@ def joint_jacobian(packed, q, J, T):
         if not math.isfinite(value):
             _write_pose(_NO_FRAME, T)
             return NOT_FINITE
-        # A joint does not move its own axis; the lower rows hold the axis's point.
+        # A joint does not move its own axis; the lower rows hold a point of the axis for now.
         J[0, i], J[1, i], J[2, i] = frame[2], frame[5], frame[8]
         J[3, i], J[4, i], J[5, i] = frame[9], frame[10], frame[11]
         frame = _advance(frame, packed, i, value)
@@ -166,7 +166,7 @@ def _coupled_jacobian(packed, q, J, T):
 
 @lean
 def jacobian_body(packed, q, J, T):
-    """Write J (6, n), angular rows first, at the tip in base coordinates, and the pose T."""
+    """Write J (6, n) at the tip in base axes, angular rows first, and the pose T."""
     if is_coupled(packed):
         return _coupled_jacobian(packed, q, J, T)
     return joint_jacobian(packed, q, J, T)
@@ -174,13 +174,13 @@ def jacobian_body(packed, q, J, T):
 
 @kernel(i8(IN2, IN1, OUT2))
 def forward_one(packed, q, out):
-    """Pose of the tip for one q (n,) into out (4, 4)."""
+    """Write the pose of the tip for one q (n,) to out (4, 4)."""
     return forward_body(packed, q, out)
 
 
 @kernel(i8(IN2, IN2, OUT3))
 def forward(packed, q, out):
-    """Poses of the tip for q (m, n) into out (m, 4, 4)."""
+    """Write poses of the tip for q (m, n) to out (m, 4, 4)."""
     status = 0
     for k in range(q.shape[0]):
         status |= forward_body(packed, q[k], out[k])
@@ -189,13 +189,13 @@ def forward(packed, q, out):
 
 @kernel(i8(IN2, IN1, OUT2, OUT2))
 def jacobian_one(packed, q, out, pose):
-    """Jacobian for one q (n,) into out (6, n), with the tip's pose into pose (4, 4)."""
+    """Write the Jacobian for one q (n,) to out (6, n), and the tip's pose to pose (4, 4)."""
     return jacobian_body(packed, q, out, pose)
 
 
 @kernel(i8(IN2, IN2, OUT3, OUT2))
 def jacobian(packed, q, out, pose):
-    """Jacobians for q (m, n) into out (m, 6, n); pose (4, 4) is working space."""
+    """Write Jacobians for q (m, n) to out (m, 6, n); pose (4, 4) is working space."""
     status = 0
     for k in range(q.shape[0]):
         status |= jacobian_body(packed, q[k], out[k], pose)
