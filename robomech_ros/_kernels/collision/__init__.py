@@ -1,1 +1,1 @@
-"""Bounds of the distances between the bodies of a robot and of the world around it."""
+"""Bounds of distances between the bodies of a robot, and to bodies of its environment."""

@@ -1,4 +1,4 @@
-"""Bounds of the distances of pairs of bodies by spheres, and the pairs that these leave open."""
+"""Bounds of distances between bodies by spheres, and pairs that need exact distances."""
 
 import math
 from typing import Any, NamedTuple
@@ -12,22 +12,22 @@ from robomech_ros._kernels.collision.tables import NEAR_PAIRS, TABLES
 from robomech_ros._kernels.compiling.jit import flat, inline, kernel, lean
 from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, OUT2, i8
 
-# Overlap (m) of spheres inside two bodies that proves them too near.
+# Overlap (m) of inner spheres of two bodies that proves a contact.
 ROUNDING = 1e-9
-# Greatest excess of a computed distance, other than a bound by spheres (m).
+# Largest excess (m) of a computed distance, except for bounds by spheres.
 UNCERTAIN = 1e-6
 
 
 class Posture(NamedTuple):
     """Working space for the bodies at a posture.
 
-    Poses of the frames (m + 1, 12), bounds of the motion of each joint (m,), which bodies have
-    their spheres placed (b,), centres of outer and inner spheres (s, 6), and bounds of the motion
-    of each sphere against each frame (s, m + 1).
+    Poses of the frames (m + 1, 12), bounds of the travel of each joint (m,), flags of bodies whose
+    spheres are placed (b,), centres of outer and inner spheres (s, 6), and bounds of the travel of
+    each sphere against each frame (s, m + 1).
     """
 
     frames: Any
-    rates: Any
+    travels: Any
     ready: Any
     points: Any
     moved: Any
@@ -35,7 +35,7 @@ class Posture(NamedTuple):
 
 @inline
 def room_for_posture(tables):
-    """Make room for the bodies at a posture, with no sphere placed or moved yet."""
+    """Return working space for a posture, without placed spheres."""
     m, s = tables.joints.shape[0], tables.spheres.shape[0]
     return Posture(
         np.empty((m + 1, 12)),
@@ -66,7 +66,7 @@ def place_bodies(frames, bodies, around, centres):
 
 @flat
 def place_spheres(tables, posture, b):
-    """Write the centres of the spheres of body b, outer and inner, if not done yet."""
+    """Write the centres of the outer and inner spheres of body b, unless they are ready."""
     ready, frames, points = posture.ready, posture.frames, posture.points
     if ready[b]:
         return
@@ -82,7 +82,7 @@ def place_spheres(tables, posture, b):
 
 @flat
 def far_bound(tables, centres, a, b):
-    """Return a lower bound of the distance by one sphere around each body."""
+    """Return a lower bound of the distance of two bodies by one sphere around each."""
     around = tables.around
     kind = int(tables.bodies[b, 3])
     if kind == SPHERES:
@@ -96,7 +96,7 @@ def far_bound(tables, centres, a, b):
 
 @flat
 def pair_bounds(tables, posture, p):
-    """Return bounds of the distance of pair p: below, below while it moves, and above."""
+    """Return bounds of the distance of pair p: lower, lower during the travel, and upper."""
     a, b, c = int(tables.pairs[p, 0]), int(tables.pairs[p, 1]), int(tables.pairs[p, 2])
     kind = int(tables.bodies[b, 3])
     if kind == SPHERES:
@@ -138,7 +138,7 @@ def _bounds_of_spheres(bodies, spheres, posture, a, b, c):
 
 @lean
 def insert_pair(near, count, p, low):
-    """Insert a pair among those found, sorted by their lower bounds; return the new count."""
+    """Insert a pair in the order of lower bounds; return the new count."""
     k = count
     while k > 0 and near.low[k - 1] > low:
         near.pairs[k], near.low[k] = near.pairs[k - 1], near.low[k - 1]
@@ -149,7 +149,7 @@ def insert_pair(near, count, p, low):
 
 @flat
 def write_poses(tables, frames, near, count):
-    """Write the poses of both bodies of each pair found to two rows."""
+    """Write the poses of both bodies of each near pair to two rows."""
     bodies, placed, pairs = tables.bodies, tables.placed, tables.pairs
     for k in range(count):
         p = near.pairs[k]
@@ -176,7 +176,7 @@ def _group_bound(tables, centres, g):
 
 @flat
 def _padded_bounds(tables, posture, p):
-    """Return bounds of the distance of pair p by spheres, below and above, less its padding."""
+    """Return lower and upper bound of the distance of pair p by spheres, less its padding."""
     pairs = tables.pairs
     place_spheres(tables, posture, int(pairs[p, 0]))
     place_spheres(tables, posture, int(pairs[p, 1]))
@@ -186,7 +186,7 @@ def _padded_bounds(tables, posture, p):
 
 @flat
 def _contact_bounds(tables, posture, p, limit):
-    """Return a lower bound for pair p, and an upper bound if it is surely within the limit."""
+    """Return a lower bound for pair p, and an upper one, infinite unless it is within the limit."""
     low, high = _padded_bounds(tables, posture, p)
     if high < limit - ROUNDING:
         return low, high
@@ -204,9 +204,9 @@ def _contact_bounds(tables, posture, p, limit):
 
 @flat
 def _find_nearest(tables, posture, centres, bounds, near):
-    """Find the pairs that may be the nearest one; return how many, and the bound of `near_pairs`.
+    """Find all pairs that may be the nearest; return their number and a bound of the distance.
 
-    There is room for a bound of each pair in ``bounds`` (p,).
+    ``bounds`` (p,) is working space.
     """
     pairs, around, grids = tables.pairs, tables.around, tables.grids
     most = math.inf
@@ -218,9 +218,9 @@ def _find_nearest(tables, posture, centres, bounds, near):
                 continue
             a, b = int(pairs[p, 0]), int(pairs[p, 1])
             bounds[p] = far_bound(tables, centres, a, b) - pairs[p, 3]
-            # At most the diameters of the spheres around both, in any position.
+            # The distance exceeds its lower bound by at most the diameters of both spheres.
             most = min(most, bounds[p] + 2.0 * (around[a, 3] + around[b, 3]))
-    # The pairs with the least bounds come first: they exclude most of the others.
+    # Pairs with small bounds come first, since they exclude most others.
     for p in range(bounds.size):
         if bounds[p] <= 0.0 or bounds[p] <= 0.25 * most:
             most = min(most, _padded_bounds(tables, posture, p)[1])
@@ -229,7 +229,7 @@ def _find_nearest(tables, posture, centres, bounds, near):
         if bounds[p] <= max(most, 0.0):
             low, high = _padded_bounds(tables, posture, p)
             most = min(most, high)
-            # Overlapping spheres give no depth.
+            # Overlapping spheres say nothing of the depth.
             low = max(low, bounds[p])
             if low <= max(most, 0.0):
                 found = insert_pair(near, found, p, max(low, 0.0))
@@ -238,7 +238,7 @@ def _find_nearest(tables, posture, centres, bounds, near):
 
 @flat
 def _find_contacts(tables, posture, centres, q, limit, near):
-    """Find the pairs that may be within a limit (m), or one that is; return as `near_pairs`."""
+    """Find the pairs that may be within a limit (m), or one that surely is, as `near_pairs`."""
     pairs, grids = tables.pairs, tables.grids
     found = 0
     for g in range(grids.shape[0]):
@@ -263,13 +263,13 @@ def _find_contacts(tables, posture, centres, q, limit, near):
 
 @kernel(i8(TABLES, IN1, i8, OUT1, NEAR_PAIRS))
 def near_pairs(tables, q, nearest, limit, near):
-    """Find the pairs whose distances must be computed at a posture, nearest bound first.
+    """Find the pairs whose distances must be computed at a posture, in order of lower bounds.
 
-    Without ``nearest`` these are all that may be nearer than limit[0].  A pair that surely is
-    becomes the only one, and the result is -1 - its number.  With ``nearest`` they are those that
-    may be the nearest pair, and limit[0] becomes an upper bound of the least distance.
+    Without ``nearest``, these are all pairs that may be nearer than limit[0].  If pair p surely is,
+    it is the only one, and the result is -1 - p.  With ``nearest``, they are the candidates for the
+    nearest pair, and limit[0] becomes an upper bound of the least distance.
 
-    Returns the number of pairs found.
+    Returns the number of pairs.
     """
     posture = room_for_posture(tables)
     place_frames(tables.joints, q, posture.frames)

@@ -1,4 +1,4 @@
-"""Bounds of the distances of two links in cells of the joints that move them."""
+"""Bounds of the distance of two links in cells of the joint space that moves them."""
 
 import math
 
@@ -9,13 +9,13 @@ from robomech_ros._kernels.collision.shapes import DRIVE, place_frames
 from robomech_ros._kernels.collision.travel import move_spheres, pair_travel
 from robomech_ros._kernels.compiling.jit import flat, lean
 
-# Margin (m) over the required distance that ends the search for a bound of a cell.
+# Margin (m) over the required distance at which the bound of a cell suffices.
 _SPARE = 0.004
 
 
 @lean
 def _place_cell(grids, g, cell, q):
-    """Move the joints of group g to the middle of one of its cells."""
+    """Set the drives q of group g to the middle of one of its cells."""
     place = cell - int(grids[g, 2])
     q[int(grids[g, 0])] = (place % CELLS + 0.5) * CELL
     if grids[g, 1] >= 0.0:
@@ -24,12 +24,12 @@ def _place_cell(grids, g, cell, q):
 
 @flat
 def _cell_bound(tables, posture, g, q, keep):
-    """Return a lower bound of the distance of group g in the cell whose middle is at drives q."""
+    """Return a lower bound of the distance of group g in the cell around drives q."""
     joints, grids, pairs = tables.joints, tables.grids, tables.pairs
     place_frames(joints, q, posture.frames)
     for i in range(joints.shape[0]):
         turns = joints[i, DRIVE] == grids[g, 0] or joints[i, DRIVE] == grids[g, 1]
-        posture.rates[i] = (0.5 + 1e-9) * CELL if turns else 0.0
+        posture.travels[i] = (0.5 + 1e-9) * CELL if turns else 0.0
     posture.ready[:] = 0
     least, enough = math.inf, keep + _SPARE
     for p in range(int(grids[g, 3]), int(grids[g, 4])):
@@ -48,9 +48,9 @@ def _cell_bound(tables, posture, g, q, keep):
 
 @flat
 def fill_cells(tables, posture, g, curve, middle, q, keep):
-    """Compute the bounds of all cells of group g on a curve until they decide, as `cells_apart`.
+    """Compute bounds of cells of group g on a curve until `cells_apart` decides; return that.
 
-    The posture and q (n,), its drives, are overwritten.
+    The posture and its drives q (n,) are overwritten.
     """
     grids, cells = tables.grids, tables.cells
     cell = cells_apart(grids, cells, g, curve, middle, keep)

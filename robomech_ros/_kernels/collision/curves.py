@@ -1,4 +1,4 @@
-"""Curves of drives of Bernstein type: d + 1 coefficients (d + 1, n), with parameters from 0 to 1.
+"""Curves of n drives as Bernstein coefficients (d + 1, n), with a parameter from 0 to 1.
 
 References
 ----------
@@ -10,8 +10,8 @@ from robomech_ros._kernels.compiling.jit import lean
 
 
 @lean
-def drive_rate(curve, middle, k):
-    """Bound the distance of drive k from its middle on a curve."""
+def drive_travel(curve, middle, k):
+    """Return a bound of the distance of drive k from its middle position on a curve."""
     most = 0.0
     for d in range(curve.shape[0]):
         most = max(most, abs(curve[d, k] - middle[k]))
@@ -19,15 +19,15 @@ def drive_rate(curve, middle, k):
 
 
 @lean
-def joint_rates(joints, curve, middle, rates):
-    """Write bounds of the distance of each joint from its middle on a curve to rates (m,)."""
+def joint_travels(joints, curve, middle, travels):
+    """Write bounds of the distances of joints from their middle positions to travels (m,)."""
     for i in range(joints.shape[0]):
-        rates[i] = abs(joints[i, GAIN]) * drive_rate(curve, middle, int(joints[i, DRIVE]))
+        travels[i] = abs(joints[i, GAIN]) * drive_travel(curve, middle, int(joints[i, DRIVE]))
 
 
 @lean
 def halve(curve, left, right):
-    """Write both halves of a curve, by de Casteljau's method."""
+    """Write both halves of a curve by de Casteljau's algorithm."""
     size = curve.shape[0]
     for k in range(curve.shape[1]):
         for d in range(size):

@@ -1,36 +1,35 @@
-"""Distances between links of a robot that one or two joints move against each other.
+"""Cached bounds of distances between links that one or two joints move against each other.
 
-Such distances are the same in all scenes, so bounds of them are kept.  Rows of ``grids`` (g, 7)
-begin for each group of pairs with the drives of both joints (-1 for a second one that does not
-exist), its first cell in ``cells`` (-1 if it has none), its first pair and the one after its last.
-A cell holds a lower bound of the distance of the group while each joint is anywhere in the cell, or
-0 if no bound is known yet.
+Such distances are the same in all scenes.  A row of ``grids`` (g, 7) starts, for a group of pairs,
+with the drives of both joints (-1 if there is only one), its first cell in ``cells`` (-1 if it has
+none), its first pair and the one after its last.  A cell holds a lower bound of the distance of the
+group for all joint positions in the cell, or 0 if no bound is known yet.
 """
 
 import math
 
-from robomech_ros._kernels.collision.curves import drive_rate
+from robomech_ros._kernels.collision.curves import drive_travel
 from robomech_ros._kernels.compiling.jit import lean
 
-# Cells of a turn of a joint, their size (rad), and how many a motion may touch along each joint.
+# Number of cells in a turn of a joint, their size (rad), and the most that a motion may touch.
 CELLS = 128
 CELL = 2.0 * math.pi / CELLS
 _MOST_TOUCHED = 8
-# Results of `cells_apart`, besides the number of a cell without a bound.
+# Results of `cells_apart` other than the index of a cell without a bound.
 APART, UNDECIDED = -1, -2
 
 
 @lean
-def _cell_range(middle, rate):
-    """Return the first cell and the number of cells of a joint within a rate (rad)."""
-    reach = rate + 1e-9
+def _cell_range(middle, travel):
+    """Return the first cell and the number of cells within a travel (rad) from the middle."""
+    reach = travel + 1e-9
     first = math.floor((middle - reach) / CELL)
     return int(first), int(math.floor((middle + reach) / CELL) - first) + 1
 
 
 @lean
 def _cell_number(grids, g, k, i):
-    """Return the index of a cell of group g from its numbers along both joints."""
+    """Return the index of a cell of group g from its positions along both joints."""
     place = int(grids[g, 2]) + k % CELLS
     if grids[g, 1] >= 0.0:
         place += CELLS * (i % CELLS)
@@ -53,13 +52,13 @@ def known_apart(grids, cells, g, q, keep):
 def cells_apart(grids, cells, g, curve, middle, keep):
     """Look up whether group g is farther apart than a distance (m) on a curve.
 
-    Returns APART, UNDECIDED, or the number of a cell on the curve without a bound.
+    Returns APART, UNDECIDED, or the index of a cell on the curve without a bound.
     """
     k, j = int(grids[g, 0]), int(grids[g, 1])
-    first, along = _cell_range(middle[k], drive_rate(curve, middle, k))
+    first, along = _cell_range(middle[k], drive_travel(curve, middle, k))
     second, across = 0, 1
     if j >= 0:
-        second, across = _cell_range(middle[j], drive_rate(curve, middle, j))
+        second, across = _cell_range(middle[j], drive_travel(curve, middle, j))
     if max(along, across) > _MOST_TOUCHED:
         return UNDECIDED
     unknown = APART

@@ -1,9 +1,9 @@
-"""Lower bounds of the distance of two bodies, by planes between them.
+"""Bounds of the distance of two convex hulls; separating planes give the lower bounds.
 
-Rows of ``corners`` (k, 5) hold a corner of a body in its frame and a range of ``neighbours`` (e,),
-the numbers of the corners that an edge joins to it.  Rows of ``axes`` (p, 5) hold the normal of the
-best plane last found between a pair, in the frame of the first body, and the corners of both
-nearest to it.  A search begins there; wrong rows cost time only.
+A row of ``corners`` (k, 5) is a corner of a body in its frame, and the range in ``neighbours`` (e,)
+of the corners that edges join to it.  A row of ``axes`` (p, 5) is the normal of the last best plane
+between a pair, in the frame of the first body, and the nearest corners of both.  The next search
+starts there; wrong rows only cost time.
 
 References
 ----------
@@ -17,9 +17,9 @@ import math
 from robomech_ros._kernels.collision.shapes import HALF_SPACE
 from robomech_ros._kernels.compiling.jit import flat, lean, scratch
 
-# Values of column 7 of bodies: all of the body is the hull of its corners, or it is a cylinder.
+# Column 7 of bodies: the body is exactly the hull of its corners, or it is a cylinder.
 HULL, ROUND = 1.0, 2.0
-# The most steps of a search, the least progress (m), and the relative size of a flat simplex.
+# Largest number of steps, least progress of a step (m), and relative size of a flat simplex.
 _MOST_STEPS = 24
 _NO_PROGRESS = 1e-9
 _FLAT = 1e-12
@@ -27,10 +27,10 @@ _FLAT = 1e-12
 
 @flat
 def _support(tables, b, at, direction, point):
-    """Write the point of body b that is farthest along a direction, both in its frame, to point.
+    """Write the support point of body b along a direction, both in its frame.
 
-    The search climbs from a corner and returns the number of the last one.  It leaves out the
-    radius of the body.
+    The search climbs along edges from corner `at` and returns the index of the last corner.  It
+    ignores the radius of the body.
     """
     bodies, shapes = tables.bodies, tables.shapes
     corners, neighbours = tables.corners, tables.neighbours
@@ -61,9 +61,10 @@ def _support(tables, b, at, direction, point):
 
 @lean
 def _solve_edges(points, size, system):
-    """Write the affine coordinates of the point of a simplex's span that is nearest to zero.
+    """Write affine coordinates of the point nearest to zero in the span of a simplex.
 
-    Those of all corners but the first go to column 3 of system (3, 4).  Returns 0 if it is flat.
+    Coordinates of all corners but the first go to column 3 of system (3, 4).  Returns 0 if the
+    simplex is flat.
     """
     n = size - 1
     largest = 0.0
@@ -96,9 +97,9 @@ def _solve_edges(points, size, system):
 
 @lean
 def _reduce_simplex(points, weights, size, system):
-    """Keep the corners of a simplex whose nearest point to zero has positive weights.
+    """Drop corners of a simplex until its point nearest to zero has only positive weights.
 
-    Returns how many there are, or 0 if the simplex is flat.
+    Returns the number of corners, or 0 if the simplex is flat.
     """
     while size > 1:
         if not _solve_edges(points, size, system):
@@ -168,7 +169,7 @@ def _above_plane(tables, frames, a, b):
 
 @lean
 def _write_difference(pose, first, second, difference):
-    """Write the vector from the first point to the second, whose frame has a pose in its frame."""
+    """Write the vector from the first point to the second; `pose` is that of the second frame."""
     for r in range(3):
         difference[r] = (
             pose[3 * r] * second[0]
@@ -181,7 +182,7 @@ def _write_difference(pose, first, second, difference):
 
 @lean
 def _nearest_point(points, weights, size):
-    """Return the point of a simplex that has these weights."""
+    """Return the point of a simplex with these weights."""
     x, y, z = 0.0, 0.0, 0.0
     for k in range(size):
         x += weights[k] * points[k, 0]
@@ -192,15 +193,13 @@ def _nearest_point(points, weights, size):
 
 @lean
 def is_exact(bodies, a, b):
-    """Return whether the upper bounds of `hull_bounds` hold for a pair."""
+    """Return whether the upper bound of `hull_bounds` holds for the bodies themselves."""
     return bodies[a, 7] > 0.0 and bodies[b, 7] > 0.0
 
 
 @lean
 def hull_bounds(tables, frames, p, keep, enough):
-    """Return bounds of the distance of the hulls of pair p, below and above.
-
-    A cylinder counts as itself, not as the hull of its corners.
+    """Return lower and upper bound of the distance of the hulls of pair p; cylinders are exact.
 
     The search ends once the lower bound is above ``enough`` (m), or once the upper bound is not and
     both are on the same side of ``keep``.
@@ -220,7 +219,7 @@ def hull_bounds(tables, frames, p, keep, enough):
     for _ in range(_MOST_STEPS):
         norm = math.sqrt(x * x + y * y + z * z)
         if norm < _NO_PROGRESS:
-            # No direction: the bodies overlap, or nothing was ever found.
+            # No direction: the bodies overlap, or this is the first search for the pair.
             if size:
                 break
             x, y, z, norm = 1.0, 0.0, 0.0, 1.0
@@ -247,7 +246,7 @@ def hull_bounds(tables, frames, p, keep, enough):
         nearest = math.sqrt(x * x + y * y + z * z)
         if nearest > high - _NO_PROGRESS:
             break
-        # Four corners with positive weights go around zero: the hulls overlap.
+        # Four corners with positive weights enclose zero: the hulls overlap.
         high = nearest if size < 4 else 0.0
         if size == 4 or (high - radii <= enough and (low - radii > keep or high - radii <= keep)):
             break

@@ -1,4 +1,4 @@
-"""Motions proved free by spheres, and the parts that spheres leave open."""
+"""Proof that motions are free of contacts, and the parts that remain undecided."""
 
 import math
 from typing import Any, NamedTuple
@@ -17,7 +17,7 @@ from robomech_ros._kernels.collision.bounds import (
     write_poses,
 )
 from robomech_ros._kernels.collision.cells import fill_cells
-from robomech_ros._kernels.collision.curves import cut, halve, joint_rates
+from robomech_ros._kernels.collision.curves import cut, halve, joint_travels
 from robomech_ros._kernels.collision.grids import APART, cells_apart
 from robomech_ros._kernels.collision.hulls import hull_bounds, is_exact
 from robomech_ros._kernels.collision.shapes import place_frames
@@ -26,18 +26,18 @@ from robomech_ros._kernels.collision.travel import move_spheres, pair_travel, po
 from robomech_ros._kernels.compiling.jit import flat, inline, kernel, lean
 from robomech_ros._kernels.compiling.types import IIN1, IN1, IN2, IOUT1, IOUT2, OUT1, OUT2, f8, i8
 
-# The most halvings of a piece of a motion.
+# Largest number of halvings of a motion.
 DEEPEST = 40
 FREE, CONTACT, FULL = 0, 1, 2
-# Results for a pair on a part of a motion: free, to be halved, left open, in contact.
+# Verdicts about a pair on a part of a motion: free, to be halved, undecided, in contact.
 _CLEAR, _HALVE, _OPEN, _TOUCHING = 0, 1, 2, 3
-# States of a group on a part: not looked at, undecided, apart, its cells filled in vain, and moving
-# too far for a decision.
+# States of a group on a part: not tested, undecided, apart, undecided by its cells, and moving too
+# far for a decision.
 _NEW, _LOOKED_UP, _APART, _FILLED, _FAR = 0, 1, 2, 3, 4
 
 
 class OpenParts(NamedTuple):
-    """Parts of a motion that spheres and hulls leave open: begin and end (k, 2), group (k,)."""
+    """Undecided parts of a motion: start and end (k, 2), and group (k,)."""
 
     ends: Any
     groups: Any
@@ -47,8 +47,8 @@ class _Part(NamedTuple):
     """Working space for a part of a motion.
 
     The drives in its middle (n,), centres of the spheres around the bodies there (b, 3), bounds of
-    the motion of these centres against each frame (b, m + 1), which of these are known (b,), states
-    of the groups (g,), and drives in a cell (n,).
+    the travel of these centres against each frame (b, m + 1), flags of known rows (b,), states of
+    the groups (g,), and drives of a cell (n,).
     """
 
     middle: Any
@@ -60,7 +60,7 @@ class _Part(NamedTuple):
 
 
 class _Stack(NamedTuple):
-    """Parts that wait: their curves (k, d + 1, n), begin and end (k, 2), and depths (k,)."""
+    """Waiting parts: their curves (k, d + 1, n), start and end (k, 2), and depths (k,)."""
 
     curves: Any
     ends: Any
@@ -95,7 +95,7 @@ def _room_for_stack(curve):
 
 @lean
 def _push_halves(stack, waiting, right, left):
-    """Replace the part at the top of a stack by its halves, the left one above the right one."""
+    """Replace the part at the top of the stack by its halves, the left half on top."""
     begin, end = stack.ends[waiting, 0], stack.ends[waiting, 1]
     half = 0.5 * (begin + end)
     for d in range(right.shape[0]):
@@ -110,15 +110,15 @@ def _push_halves(stack, waiting, right, left):
 
 @flat
 def _place_middle(tables, posture, curve, middle):
-    """Place the frames in the middle of a curve, and bound the distances of the joints from it."""
-    joint_rates(tables.joints, curve, middle, posture.rates)
+    """Place the frames in the middle of a curve, and bound the travel of the joints from there."""
+    joint_travels(tables.joints, curve, middle, posture.travels)
     place_frames(tables.joints, middle, posture.frames)
     posture.ready[:] = 0
 
 
 @flat
 def _start_part(tables, posture, part, curve):
-    """Place all bodies in the middle of a part of a motion, and clear all else."""
+    """Place all bodies in the middle of a part, and reset the rest of the working space."""
     _place_middle(tables, posture, curve, part.middle)
     place_bodies(posture.frames, tables.bodies, tables.around, part.centres)
     part.groups[:] = _NEW
@@ -134,7 +134,7 @@ def _centre_travel(tables, posture, part, b, c):
     if not part.known[b]:
         part.known[b] = 1
         point_travel(
-            tables.joints, posture.frames, f, part.centres[b], posture.rates, part.moved[b]
+            tables.joints, posture.frames, f, part.centres[b], posture.travels, part.moved[b]
         )
     return part.moved[b, c]
 
@@ -148,9 +148,9 @@ def _travel_of_centres(tables, posture, part, a, b, c):
 
 @flat
 def _judge_group(tables, posture, part, curve, p, keep, step):
-    """Return what cells, and one sphere around each side, show of the group of pair p.
+    """Return the state of the group of pair p by its cells, and by one sphere around each side.
 
-    If these show nothing, its pairs wait until no side moves by more than a step (m).
+    If they move by more than a step (m), an undecided group is _FAR, and its part will be halved.
     """
     grids = tables.grids
     g, c = int(tables.pairs[p, 4]), int(tables.pairs[p, 2])
@@ -169,7 +169,7 @@ def _judge_group(tables, posture, part, curve, p, keep, step):
 
 @lean
 def _skip_apart(tables, part, waiting, i):
-    """Return the next index of a list of pairs after i, and after all of its group if apart."""
+    """Return the index of the next pair after i; skip the group of pair i if it is apart."""
     g = int(tables.pairs[waiting[i], 4])
     i += 1
     if part.groups[g] == _APART:
@@ -181,7 +181,7 @@ def _skip_apart(tables, part, waiting, i):
 
 @flat
 def _spheres_moved(tables, posture, p):
-    """Return the bounds of `pair_bounds`, with the spheres of both bodies placed and moved."""
+    """Return the bounds of `pair_bounds`, after placing and moving the spheres of both bodies."""
     for i in range(2):
         move_spheres(tables, posture, int(tables.pairs[p, i]))
     return pair_bounds(tables, posture, p)
@@ -189,7 +189,7 @@ def _spheres_moved(tables, posture, p):
 
 @flat
 def _judge(tables, posture, part, curve, p, limits, finest):
-    """Return the verdict about pair p on a part of a motion that is longer than the finest one."""
+    """Return the verdict about pair p on a part of a motion."""
     pairs, around = tables.pairs, tables.around
     a, b, c = int(pairs[p, 0]), int(pairs[p, 1]), int(pairs[p, 2])
     keep = limits[0] + pairs[p, 3]
@@ -205,7 +205,7 @@ def _judge(tables, posture, part, curve, p, limits, finest):
     if bound - travel > keep:
         return _CLEAR
     if travel > max(limits[1], bound + around[a, 3] + around[b, 3]):
-        # Bodies may change places: nothing is proved before this part is halved.
+        # The bodies could pass each other: only a shorter part can be proved.
         return _HALVE
     low, moving, high = _spheres_moved(tables, posture, p)
     if moving > keep:
@@ -232,7 +232,7 @@ def _judge_by_hulls(tables, posture, p, limits, finest):
     pairs = tables.pairs
     keep = limits[0] + pairs[p, 3]
     travel = pair_travel(tables, posture, p)
-    # Without a proof it is enough that the middle is free.
+    # If no proof is required, it is enough that the middle is free.
     enough = keep + UNCERTAIN + (travel if limits[3] == 0.0 else 0.0)
     low, high = hull_bounds(tables, posture.frames, p, keep, enough)
     if low > keep + travel + UNCERTAIN:
@@ -246,7 +246,7 @@ def _judge_by_hulls(tables, posture, p, limits, finest):
 
 @lean
 def _add_open(pairs, left_open, begin, end, open_parts, count):
-    """Add a part to the open ones for each group of the pairs left open; return the new count."""
+    """Add an open part for each group of the undecided pairs; return the new count."""
     before = -1
     for i in range(left_open.size):
         group = int(pairs[left_open[i], 4])
@@ -260,17 +260,17 @@ def _add_open(pairs, left_open, begin, end, open_parts, count):
 
 @kernel(i8(TABLES, IIN1, IN2, IN1, IOUT2, OUT1, types.NamedTuple((OUT2, IOUT1), OpenParts)))
 def sweep(tables, tested, curve, limits, lists, found, open_parts):
-    """Prove that pairs keep their distance on a curve (d + 1, n) of Bernstein type, from 0 to 1.
+    """Prove that pairs keep a distance on a curve of Bernstein coefficients (d + 1, n).
 
-    The distance to keep is limits[0] (m).  Hulls are looked at if a body moves by less than
-    limits[1].  A part on which they do not decide is left open if no body moves by more than
-    limits[2] there, or if they overlap.  If limits[3] is not 0, nothing is proved: only parts are
-    left open in whose middle hulls are not shown apart.  The pairs are those of ``tested`` (k,);
-    lists (DEEPEST + 2, k) is room for lists of them.
+    The distance to keep is limits[0] (m).  Hulls are tested if a body moves by less than limits[1].
+    An undecided part becomes an open part if no body moves by more than limits[2] on it, or if the
+    hulls overlap.  If limits[3] is not 0, nothing is proved: only parts are open whose hulls are
+    not shown apart in the middle.  The pairs are those of ``tested`` (k,); lists (DEEPEST + 2, k)
+    is working space.
 
-    Returns FREE, CONTACT, or FULL if there are more open parts than places.  found (4,) holds the
-    number of open parts, the place of a contact or the end of what is done, the pair in contact,
-    and the end of what is proved before it.
+    Returns FREE, CONTACT, or FULL if ``open_parts`` is too small.  found (4,) receives the number
+    of open parts, the parameter of the contact or of the end of the tested motion, the pair in
+    contact, and the end of the motion proved before the contact.
     """
     count = tested.size
     posture, stack = room_for_posture(tables), _room_for_stack(curve)
@@ -301,7 +301,7 @@ def sweep(tables, tested, curve, limits, lists, found, open_parts):
                 lists[depth + 1, kept] = p
                 kept += 1
             elif verdict == _OPEN:
-                # Pairs that stay open stand at the end of the list.
+                # Undecided pairs are at the end of the list.
                 left_open += 1
                 lists[depth + 1, count - left_open] = p
         if left_open:
@@ -322,11 +322,11 @@ def sweep(tables, tested, curve, limits, lists, found, open_parts):
 def group_part(tables, tested, curve, ends, keep, travel, near):
     """Find the tested pairs that may come nearer than ``keep`` (m) on a part of a curve.
 
-    The part is from ends[0] to ends[1] of the curve (d + 1, n) of Bernstein type.  Bounds of the
-    distances and poses of the bodies are those in its middle.  ``travel`` (p,) bounds how far a
-    point of one body moves against the other on half the part (m).
+    The part is from ends[0] to ends[1] of a curve of Bernstein coefficients (d + 1, n).  Bounds of
+    distances and poses of bodies are those in its middle.  ``travel`` (p,) bounds the travel (m) of
+    points of one body against the other on half the part.
 
-    Returns the number of pairs found.
+    Returns the number of pairs.
     """
     whole, left, right = curve.copy(), np.empty(curve.shape), np.empty(curve.shape)
     cut(whole, ends[0], ends[1])

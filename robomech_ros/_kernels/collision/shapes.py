@@ -1,16 +1,16 @@
 """Signed distances of points from simple shapes, and frames of a tree of joints.
 
-A tree of m joints is an array (m, 17) with the columns of ``TREE``: the frame before each joint
-(0 is the base, i + 1 the frame that moves with joint i), 0 or 1 for revolute and prismatic, the
-drive and how the joint follows it, and the constant pose of the joint in the frame before it, its
-axis along z.  Poses are twelve numbers: rotation row by row, then origin.
+A tree of m joints is an array (m, TREE_WIDTH).  A row has the frame before the joint (0 is the
+base, i + 1 the frame that moves with joint i), 0 for revolute or 1 for prismatic, the drive, gain
+and offset, and the constant pose of the joint, with its axis along z, in the frame before it.
+Poses are twelve numbers: rotation row by row, then origin.
 """
 
 import math
 
 from robomech_ros._kernels.compiling.jit import lean
 
-# Columns of a joint of a tree.
+# Columns of a tree; the pose fills the rest.
 PARENT, KIND, DRIVE, GAIN, OFFSET, POSE = 0, 1, 2, 3, 4, 5
 TREE_WIDTH = 17
 
@@ -19,7 +19,7 @@ SPHERES, BOX, BALL, CYLINDER, CAPSULE, HALF_SPACE = -1, 0, 1, 2, 3, 4
 
 @lean
 def compose(A, i, B, k, j, out, o):
-    """Write pose i of A times the pose in row k of B from column j on to row o of out."""
+    """Write the product of pose i of A and the pose in row k of B, from column j, to row o."""
     for r in range(3):
         a0, a1, a2 = A[i, 3 * r], A[i, 3 * r + 1], A[i, 3 * r + 2]
         for c in range(3):
@@ -29,7 +29,7 @@ def compose(A, i, B, k, j, out, o):
 
 @lean
 def place_frames(joints, q, frames):
-    """Write the poses (m + 1, 12) of the base and of the frames of all joints, at drives q."""
+    """Write the poses (m + 1, 12) of the base and of the frames of all joints at drives q."""
     for k in range(12):
         frames[0, k] = 1.0 if k in (0, 4, 8) else 0.0
     for i in range(joints.shape[0]):
