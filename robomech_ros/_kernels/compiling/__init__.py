@@ -1,1 +1,1 @@
-"""Compilation of kernels, and the cache of its results."""
+"""Compilation of kernels, and the cache of compiled code."""

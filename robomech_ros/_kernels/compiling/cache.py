@@ -1,10 +1,9 @@
 """Cache of compiled kernels.
 
-Numba looks only at the file a kernel stands in when it decides whether cached code is still good;
-a change of a function that the kernel calls in another file goes unnoticed.  Therefore the name of
-a cached kernel has a digest of its module and of all kernel modules which that one imports: a
-change recompiles what depends on it, and nothing else.  The directory is named after a digest of
-the versions of Python, NumPy, numba and llvmlite.
+Numba checks only the file of a kernel to decide whether cached code is valid; it misses changes of
+called functions in other files.  So the name of a cached kernel has a digest of its module and of
+all kernel modules that this imports: a change recompiles only dependent kernels.  The directory
+is named after a digest of the versions of Python, NumPy, numba and llvmlite.
 """
 
 import functools
@@ -22,14 +21,14 @@ import numba
 import numpy
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 
-from robomech_ros._kernels.compiling.folder_permissions import who_else_can_write
+from robomech_ros._kernels.compiling.folder_permissions import unsafe_permissions
 from robomech_ros._kernels.compiling.sources import PACKAGE, sources
 
 
 class _Locator(_CacheLocator):
-    """Locate cached kernels in one directory for all installations.
+    """Locator of cached kernels in one directory for all installations.
 
-    Numba itself would make one for each place that the sources are installed at.
+    Numba itself would make one directory for each installation.
     """
 
     def __init__(self, module: str, digest: str, line: int) -> None:
@@ -64,12 +63,12 @@ class _Files(CompileResultCacheImpl):
 
 
 class KernelCache(FunctionCache):
-    """Compiled code of one kernel on disk; there has to be a directory for it."""
+    """Compiled code of one kernel on disk, in an existing cache directory."""
 
     _impl_class = _Files
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Load a kernel, or return None if it must be compiled, which is logged the first time."""
+        """Load a kernel, or return None if it must be compiled; log the first such case."""
         found = super().load_overload(sig, target_context)
         if found is None:
             _log_compilation()
@@ -78,7 +77,7 @@ class KernelCache(FunctionCache):
 
 @functools.lru_cache(maxsize=1)
 def _log_compilation() -> None:
-    """Log that kernels are compiled: a minute of silence would look like a program that hangs."""
+    """Log that kernels are compiled, so that a minute of silence does not look like a hang."""
     logging.getLogger(__name__).warning(
         "compiling numeric kernels into %s, once; it may take a minute", cache_directory()
     )
@@ -86,15 +85,15 @@ def _log_compilation() -> None:
 
 @functools.lru_cache(maxsize=1)
 def cache_directory() -> Path | None:
-    """Find the directory of compiled kernels and make it where it is missing.
+    """Return the directory of compiled kernels; create it if it is missing.
 
     Returns
     -------
     Path or None
         ``<root>/<digest of versions>`` with root the first usable one of
         ``$ROBOMECH_CACHE_DIR``, ``$XDG_CACHE_HOME/robomech_ros``, ``~/.cache/robomech_ros`` and a
-        directory of this user under the temporary directory; None where none is writable by this
-        user and by nobody else.
+        directory of this user under the temporary directory; None unless one is writable by this
+        user and by no other.
     """
     places = (root / _versions() for root in _cache_roots())
     return next((place for place in places if _is_usable(place)), None)
@@ -117,13 +116,13 @@ def _cache_roots() -> list[Path]:
 
 
 def _is_usable(directory: Path) -> bool:
-    """Make the directory for this user alone and try to write in it.
+    """Create the directory for this user alone, and return whether it is writable.
 
-    Cached code is executed: a directory that somebody else could fill is refused.
+    Cached code is executed: a directory that other users could write to is rejected.
     """
     try:
         directory.mkdir(mode=0o700, parents=True, exist_ok=True)
-        danger = who_else_can_write(directory)
+        danger = unsafe_permissions(directory)
         if danger:
             logging.getLogger(__name__).warning("no compiled kernels in %s: %s", directory, danger)
             return False
@@ -135,6 +134,6 @@ def _is_usable(directory: Path) -> bool:
 
 
 def _versions() -> str:
-    """Return a digest of the versions that compile."""
+    """Return a digest of the versions of Python and of the compiler."""
     versions = (sys.version, numpy.__version__, numba.__version__, llvmlite.__version__)
     return hashlib.sha256("\0".join(versions).encode()).hexdigest()[:16]

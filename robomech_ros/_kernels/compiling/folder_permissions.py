@@ -1,30 +1,30 @@
-"""Folders whose files may be executed: nobody but this user can put any there."""
+"""Check that no other user can write to a folder whose files are executed."""
 
 import os
 import stat
 from pathlib import Path
 
 
-def who_else_can_write(directory: Path) -> str:
-    """Name other users who could write to a directory or replace it.
+def unsafe_permissions(directory: Path) -> str:
+    """Describe permissions that let other users write to a directory or replace it.
 
-    All levels are looked at, up to the home of the user or, elsewhere, to the first that belongs
-    to the system: what stands above is trusted, as everything on the machine depends on it.
+    All levels are checked up to the home of the user or, elsewhere, to the first that belongs to
+    the system; higher levels are trusted, as everything on the machine depends on them.
 
     Parameters
     ----------
     directory : Path
-        One that exists.
+        Existing directory.
 
     Returns
     -------
     str
-        The level that is open and to whom; empty where none is.
+        First unsafe level and its owner or mode; empty if all are safe.
 
     Raises
     ------
     OSError
-        A level cannot be looked at.
+        A level cannot be read.
     """
     if not hasattr(os, "getuid"):
         return ""

@@ -27,10 +27,10 @@ _NO_COUNTS = {"_nrt": False}
 
 
 def _load_arrays_without_blas() -> None:
-    """Load numba's arrays without scipy's BLAS, which no kernel uses: 16 MB and 0.15 s.
+    """Load numba's arrays without scipy's BLAS, which takes 16 MB and 0.15 s; no kernel uses it.
 
-    Numba looks for it when its arrays are loaded, and again when something needs it; only the
-    first look is kept from finding it.
+    Numba imports BLAS when its arrays are loaded, and again when a function needs it; only the
+    first import is blocked.
     """
     blas = "scipy.linalg.cython_blas"
     if blas in sys.modules or "numba.np.arraymath" in sys.modules:
@@ -40,7 +40,7 @@ def _load_arrays_without_blas() -> None:
         arrays = import_module("numba.np.arraymath")
     finally:
         del sys.modules[blas]
-    # This decision of numba also sets whether other compiled code gets np.cov.
+    # The same flag tells numba whether other compiled code can use np.cov.
     if "_HAVE_BLAS" in vars(arrays):
         vars(arrays)["_HAVE_BLAS"] = find_spec("scipy") is not None
 
@@ -49,7 +49,7 @@ _load_arrays_without_blas()
 
 
 def kernel(signature: Any) -> Callable[[Callable[..., Any]], Any]:
-    """Compile a function for one signature, at import, with the result kept on disk.
+    """Compile a function for one signature at import, and cache the result on disk.
 
     Parameters
     ----------
@@ -59,16 +59,16 @@ def kernel(signature: Any) -> Callable[[Callable[..., Any]], Any]:
     Returns
     -------
     callable
-        Decorator.  A cache that cannot be read or written costs the compile time again, never
+        Decorator.  If the cache cannot be read or written, the kernel is compiled again, without
         an error.
     """
     return functools.partial(_compiled, signature, {"no_cfunc_wrapper": True})
 
 
 def part(signature: Any) -> Callable[[Callable[..., Any]], Any]:
-    """Compile a part of kernels by itself, as :func:`kernel` does; only kernels can call it.
+    """Compile a function once, as :func:`kernel` does, and link it to the kernels that call it.
 
-    To link it costs them nothing, while what is inline is compiled again in each of them.
+    An inline function, in contrast, is compiled again for each kernel.
     """
 
     def decorate(function: Callable[..., Any]) -> Any:
@@ -78,7 +78,7 @@ def part(signature: Any) -> Callable[[Callable[..., Any]], Any]:
 
 
 def lean_part(signature: Any) -> Callable[[Callable[..., Any]], Any]:
-    """Compile a part of kernels that makes no arrays, as :func:`lean` wants it."""
+    """Compile a function as :func:`part` does, if it fulfils the conditions of :func:`lean`."""
 
     def decorate(function: Callable[..., Any]) -> Any:
         return linked(_compiled(signature, {**_NO_WRAPPERS, **_NO_COUNTS}, function))
@@ -91,7 +91,7 @@ def _compiled(signature: Any, options: dict[str, bool], function: Callable[..., 
     if numba.config.DISABLE_JIT:
         return function
     if cache_directory() is not None:
-        # A damaged or full cache; a mistake in the kernel itself is raised again below.
+        # Ignore a damaged or full cache; an error in the kernel itself is raised again below.
         with contextlib.suppress(Exception):
             dispatcher = numba.njit(**options)(function)
             dispatcher._cache = KernelCache(function)
@@ -102,10 +102,10 @@ def _compiled(signature: Any, options: dict[str, bool], function: Callable[..., 
 
 
 def inline(function: Callable[..., Any]) -> Any:
-    """Compile a function that only kernels call, together with each of them.
+    """Compile a function together with each kernel that calls it.
 
-    It has no entry from Python, which saves a sixth of the time that all kernels take.  It is
-    compiled for types only: numba would make one for every number that stands in a call.
+    Python cannot call it, which saves a sixth of the time to compile all kernels.  It is compiled
+    once for each type, where numba would compile it for each literal number in a call.
     """
     return _inlined(function, {})
 
@@ -113,25 +113,25 @@ def inline(function: Callable[..., Any]) -> Any:
 def lean(function: Callable[..., Any]) -> Any:
     """Compile a function as :func:`inline` does, if it neither makes arrays nor returns any.
 
-    It then counts no references to its arrays and their rows, which for a small one takes longer
-    than what it computes.
+    It then counts no references to arrays and their rows.  In a small function, this would take
+    longer than the computation.
     """
     return _inlined(function, _NO_COUNTS)
 
 
 def flat(function: Callable[..., Any]) -> Any:
-    """Compile a function as :func:`lean` does, as a part of each function that calls it.
+    """Compile a function as :func:`lean` does, and inline it in the machine code of its callers.
 
-    That is for frequent calls with many arrays: each array is seven words to hand over.
+    This is for frequent calls with many arrays, since each array takes seven words to pass.
     """
     return _inlined(function, {**_NO_COUNTS, "forceinline": True})
 
 
 def fused(function: Callable[..., Any]) -> Any:
-    """Compile a function as :func:`flat` does; a product that is added may be rounded with the sum.
+    """Compile a function as :func:`flat` does, and allow fused multiply-add instructions.
 
-    In the body of its caller the compiler sees that arrays on the stack do not overlap, and makes
-    vector instructions of loops over them; most processors have one for a product and a sum.
+    In the body of the caller, the compiler knows that arrays on the stack do not overlap, and
+    vectorises loops over them.
     """
     return _inlined(function, {**_NO_COUNTS, "forceinline": True, "fastmath": {"contract"}})
 
@@ -150,24 +150,23 @@ def _inlined(function: Callable[..., Any], options: dict[str, Any]) -> Any:
 
 
 def linked(function: Any) -> Any:
-    """Make a kernel callable in other kernels without becoming a part of them.
+    """Make a kernel callable from other kernels without compiling it again.
 
-    Numba compiles all that a function calls anew, together with it; a kernel that calls kernels
-    that call kernels would take minutes.  Instead the address is found by name when a compiled
-    kernel is loaded.
+    Numba compiles a function together with everything that it calls, which would take minutes for
+    nested kernels.  Instead, the address is found by name when a compiled kernel is loaded.
 
     Parameters
     ----------
     function : kernel
-        What :func:`kernel` has made.
+        Result of :func:`kernel`.
 
     Returns
     -------
     callable
-        For other kernels, not for Python.
+        Function for other kernels, not for Python.
     """
     if not hasattr(function, "overloads"):
-        # Not compiled at all, as NUMBA_DISABLE_JIT wants it.
+        # NUMBA_DISABLE_JIT is set.
         return function
     (compiled,) = function.overloads.values()
     name = f"robomech.{function.__module__}.{function.__name__}"
@@ -200,22 +199,21 @@ def linked(function: Any) -> Any:
 
 
 def direct(function: Any) -> Any:
-    """Return the entry of a kernel that Python calls without a look at the types of the arguments.
+    """Return the entry point of a kernel, which does not check the types of its arguments.
 
-    Numba looks at each to choose among the versions compiled, of which a kernel has one; for ten
-    arguments that takes as long as half the solutions of an arm.  Arrays must be of the type and
-    number of axes that the signature says, and contiguous where it says so: nothing tells
-    otherwise.
+    Numba checks each argument to select a compiled version, but a kernel has only one.  For ten
+    arguments, this takes half as long as all solutions of an arm.  Arrays must have the type,
+    number of axes and contiguity of the signature; violations are not detected.
 
     Parameters
     ----------
     function : kernel
-        What :func:`kernel` has made.
+        Result of :func:`kernel`.
 
     Returns
     -------
     callable
-        Takes positional arguments only.
+        Entry point with positional arguments only.
     """
     if not hasattr(function, "overloads"):
         return function
@@ -224,7 +222,7 @@ def direct(function: Any) -> Any:
 
 
 def _scratch(dtype: Any, plain: Any) -> Any:
-    """Make the function that gives kernels small arrays of one type on the stack."""
+    """Return a function with which kernels create small arrays of one type on the stack."""
 
     def generate_array(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         kind = signature.return_type
@@ -256,16 +254,15 @@ def _scratch(dtype: Any, plain: Any) -> Any:
     return scratch
 
 
-# Small arrays of constant shape, given as separate numbers or names of such: ``scratch(3, 3)``.
-# They stand on the stack, which costs nothing, where np.empty takes as long as fifty
-# multiplications, and are gone when the function that asked for them returns.  In a loop it is
-# the same array every time.
+# Small arrays of constant shape on the stack, such as ``scratch(3, 3)``.  They cost nothing, while
+# np.empty takes as long as fifty multiplications.  They are invalid after the function returns; in
+# a loop, each iteration gets the same array.
 scratch = _scratch(f8, numpy.float64)
 scratch_integers = _scratch(i8, numpy.int64)
 
 
 def _borrowed() -> Any:
-    """Make the function that takes an array of a caller without counting references to it."""
+    """Return a function that borrows an array of the caller without counting references."""
 
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         array = make_array(signature.return_type)(context, builder, args[0])
@@ -282,6 +279,5 @@ def _borrowed() -> Any:
     return borrowed
 
 
-# The same array, for the time of the call: what counts references to its rows is two locked
-# instructions for each row that is looked at.
+# The same array without reference counts: they take two locked instructions for each row used.
 borrowed = _borrowed()

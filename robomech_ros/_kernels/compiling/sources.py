@@ -1,7 +1,7 @@
-"""Sources of each kernel module: its own and those of the kernel modules it imports.
+"""Digests of the sources of kernel modules and of their imports.
 
-Every start of a node asks for it, so sources are not parsed: each mention of a kernel module
-counts as an import. One too many costs a compilation, and none is missed.
+They are needed at every start of a node, so sources are not parsed: each mention of a kernel module
+counts as an import.  This finds all imports; a false one only costs a compilation.
 """
 
 import functools
@@ -16,16 +16,16 @@ _WORD = re.compile(rb"\w+")
 
 
 class KernelSources:
-    """The sources of kernels, each read once: when a kernel of it or of a dependant is asked for.
+    """Sources of kernel modules, each read once while a dependent module is imported.
 
-    That is while the module is imported, so what was read is what runs.
+    So the digest belongs to the code that runs.
 
     Parameters
     ----------
     folder : Path
-        Where they are.
+        Folder of the package.
     package : str
-        What the folder is called in import statements.
+        Name of the package in import statements.
     """
 
     def __init__(self, folder: Path, package: str) -> None:
@@ -37,26 +37,26 @@ class KernelSources:
         self._digests: dict[str, str] = {}
 
     def modules(self) -> tuple[str, ...]:
-        """Name all modules, without the name of the package, but for those that are packages."""
+        """Return the names of all modules, except packages, relative to the package."""
         return tuple(sorted(name for name in self._files if not self._is_package(name)))
 
     def path(self, module: str) -> Path:
-        """Find the file of a module."""
+        """Return the file of a module."""
         return self._files[module]
 
     def imported(self, module: str) -> frozenset[str]:
-        """Name the modules that a module mentions, and the packages that they are in."""
+        """Return the names of modules that a module mentions, and of their packages."""
         return self._content(self._files[module])[1]
 
     def digest(self, module: str, file: Path | None = None) -> str:
-        """Return sixteen digits for a module and all that it imports here, directly or not.
+        """Return a digest (16 digits) of a module and of its direct and indirect imports.
 
         Parameters
         ----------
         module : str
-            Its name, without that of the package.
+            Name relative to the package.
         file : Path, optional
-            Its file, where it is a module of others that makes kernels, too.
+            File of the module, if it is outside the package.
         """
         if module not in self._digests:
             sha = hashlib.sha256()
@@ -66,7 +66,7 @@ class KernelSources:
         return self._digests[module]
 
     def closure(self, module: str) -> frozenset[str]:
-        """Name a module and all that it imports here, directly or not."""
+        """Return the names of a module and of its direct and indirect imports."""
         return frozenset(self._closure(module, self._files[module]))
 
     def _closure(self, module: str, file: Path) -> dict[str, Path]:
@@ -80,7 +80,7 @@ class KernelSources:
         return found
 
     def _content(self, file: Path) -> tuple[str, frozenset[str]]:
-        """Read a file: the digest of its text, and the modules that it mentions."""
+        """Return the digest of a file, and the names of modules that it mentions."""
         if file not in self._read:
             text = file.read_bytes()
             mentioned: set[str] = set()
@@ -98,7 +98,7 @@ class KernelSources:
         return name in self._files and self._files[name].name == "__init__.py"
 
     def _with_packages(self, name: str) -> Iterator[str]:
-        """Name a module and the packages around it, as far as there are such."""
+        """Yield the names of a module and of the packages that contain it, if they exist."""
         if name in self._files:
             yield name
         if name:

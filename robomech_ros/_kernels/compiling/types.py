@@ -1,4 +1,4 @@
-"""The types of the arguments and results of kernels."""
+"""Types of the arguments and results of kernels."""
 
 import numpy
 from numba import types
@@ -21,6 +21,6 @@ IOUT2 = types.Array(i8, 2, "C")
 F3 = types.UniTuple(f8, 3)
 F12 = types.UniTuple(f8, 12)
 
-# The start of a count that is handed to another function: numba would compile that function once
-# more for the literal 0, and count it as a second one.
+# Start of a count that is passed to another function: numba would compile that function a second
+# time for the literal 0.
 ZERO = numpy.int64(0)

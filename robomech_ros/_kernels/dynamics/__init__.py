@@ -1,1 +1,1 @@
-"""Recursions of Newton and Euler, composite bodies and their derivatives."""
+"""Newton-Euler recursions, composite and articulated bodies, and their derivatives."""

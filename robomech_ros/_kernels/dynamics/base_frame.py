@@ -1,8 +1,8 @@
-"""The bodies and the joint axes of a chain in the axes of the base.
+"""Bodies and joint axes of a chain in the axes of the base.
 
-All is seen from one point, the origin of the last joint, so that nothing has to be carried from
+All quantities refer to one point, the origin of the last joint.  So nothing is transformed from
 link to link, and the small moments of a wrist lose no digits to its distance from the base.
-Motions are [omega; v] and forces [n; f], v the velocity of the point of the body that passes there.
+Motions are [omega; v] and forces [n; f]; v is the velocity of the body at the reference point.
 """
 
 import math
@@ -32,7 +32,7 @@ def _times(v, rows):
 def place_frames(model, q, frames):
     """Write rotation and origin in the base (n, 12) of the frame of every link.
 
-    Returns the status, the origin of the last joint, and the tip seen from there.
+    Returns the status, the origin of the last joint, and the vector from there to the tip.
     """
     count = model.shape[0] - 1
     a, b, c = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
@@ -55,7 +55,7 @@ def place_frames(model, q, frames):
 
 @fused
 def placed_axis(model, frames, i, point):
-    """Return the axis (6) of joint i, seen from a point."""
+    """Return the axis (6) of joint i about a reference point."""
     ex, ey, ez = frames[i, 2], frames[i, 5], frames[i, 8]
     if model[i, 0] != 0.0:
         return (0.0, 0.0, 0.0, ex, ey, ez)
@@ -65,7 +65,7 @@ def placed_axis(model, frames, i, point):
 
 @fused
 def placed_body(model, frames, i, point):
-    """Return the body (10) of link i, seen from a point, in the axes of the base."""
+    """Return the inertial parameters (10) of link i about a point, in the axes of the base."""
     a = frames[i, 0], frames[i, 1], frames[i, 2]
     b = frames[i, 3], frames[i, 4], frames[i, 5]
     c = frames[i, 6], frames[i, 7], frames[i, 8]
@@ -77,7 +77,7 @@ def placed_body(model, frames, i, point):
     sx, sy, sz = _dot(a, moment), _dot(b, moment), _dot(c, moment)
     # R I, then R I R^T.
     p, q, r = _times(a, inertia), _times(b, inertia), _times(c, inertia)
-    # About the other point: the first moment about it, plus the one about the link's own origin.
+    # The first moment about the reference point, and its sum with that about the link's origin.
     gx, gy, gz = sx + m * dx, sy + m * dy, sz + m * dz
     kx, ky, kz = dx * (sx + gx), dy * (sy + gy), dz * (sz + gz)
     return (
@@ -122,7 +122,7 @@ def plus(a, b, factor):
 
 @fused
 def joined(a, b):
-    """Make one body (10) of two."""
+    """Return the composite (10) of two bodies."""
     return (
         a[0] + b[0],
         a[1] + b[1],
@@ -139,7 +139,7 @@ def joined(a, b):
 
 @fused
 def inertia_times(body, motion):
-    """Multiply a body (10) by a motion (6): a force (6)."""
+    """Return the force (6) that is the inertia of a body (10) times a motion (6)."""
     m, hx, hy, hz = body[0], body[1], body[2], body[3]
     wx, wy, wz = motion[0], motion[1], motion[2]
     vx, vy, vz = motion[3], motion[4], motion[5]
@@ -155,7 +155,7 @@ def inertia_times(body, motion):
 
 @fused
 def motion_cross(a, b):
-    """Return the rate of a motion b (6) that moves with a (6)."""
+    """Return the rate a x b of a motion b (6) that moves with the motion a (6)."""
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -168,7 +168,7 @@ def motion_cross(a, b):
 
 @fused
 def force_cross(a, f):
-    """Return the rate of a force f (6) that moves with a (6)."""
+    """Return the rate a x* f of a force f (6) that moves with the motion a (6)."""
     return (
         a[1] * f[2] - a[2] * f[1] + a[4] * f[5] - a[5] * f[4],
         a[2] * f[0] - a[0] * f[2] + a[5] * f[3] - a[3] * f[5],
@@ -181,15 +181,15 @@ def force_cross(a, f):
 
 @fused
 def dot(a, b):
-    """Multiply six numbers by six."""
+    """Return the scalar product of a (6) and b (6)."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5]
 
 
 @fused
 def base_motion(around, point):
-    """Return the base's velocity (6) and acceleration (6) less gravity, both as motions.
+    """Return velocity (6) and acceleration (6) of the base less gravity, about a point.
 
-    The base's origin is taken to stand still for the moment, which no torque notices.
+    The velocity of the base's origin is assumed to be zero, which changes no torque.
     """
     x, y, z = point
     wx, wy, wz = around[0], around[1], around[2]
@@ -208,7 +208,7 @@ def base_motion(around, point):
 
 @fused
 def wrench_about(around, tip):
-    """Return the wrench on the tip (6) as seen from the point that the tip is seen from."""
+    """Return the wrench on the tip (6) about the point from which ``tip`` is the vector."""
     x, y, z = tip
     fx, fy, fz = around[12], around[13], around[14]
     return (

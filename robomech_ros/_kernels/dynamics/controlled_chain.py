@@ -1,13 +1,13 @@
-"""A chain under a torque controller, in fixed steps of time.
+"""Simulation of a chain under a torque controller, in fixed time steps.
 
-Values follow from the new rates of each step, which dry friction and stops settle (see
-:mod:`.sticking`), so that the motion neither gains energy nor chatters.
+Positions follow from the new rates of each step, which :mod:`.dry_friction` computes with friction
+and stops, so that the motion neither gains energy nor chatters.
 
-The controller may observe disturbances: torques that its model, with its friction, does not explain
-by what the joints did in a period, and that it adds to its own from then on.  Sources: Ohnishi,
-Shibata, Murakami, Motion control for advanced mechatronics, IEEE/ASME Trans. Mechatronics 1(1),
-1996; with the share 1 it is the time delay control of Youcef-Toumi, Ito, ASME J. Dynamic Systems,
-Measurement, and Control 112(1), 1990.
+The controller may have a disturbance observer: it adds the torques that its model, with friction,
+does not explain by the motion of the last period.  Sources: Ohnishi, Shibata, Murakami, Motion
+control for advanced mechatronics, IEEE/ASME Trans. Mechatronics 1(1), 1996; with the share 1 it is
+the time delay control of Youcef-Toumi, Ito, ASME J. Dynamic Systems, Measurement, and Control
+112(1), 1990.
 """
 
 import math
@@ -30,7 +30,7 @@ PD_WITH_GRAVITY = 1
 
 RUNS_AWAY = 4
 
-# Rows after the four of the friction: of the joints of the plant, and of the controller.
+# Rows after the four of friction, for the plant (STOPS) and for the controller.
 STOPS = 4
 GAINS = 4
 EFFORT = 6
@@ -61,10 +61,10 @@ def _command(model, friction, gains, mode, around, q, qd, wanted, tau):
 
 @lean
 def _observe(model, friction, stops, around, tau, limit, share, period, before, state, seen):
-    """Learn a share of the torques (n,) that the model does not explain.
+    """Add a share of the torques that the model does not explain to the observed ones.
 
-    before and state are values and rates (2, n) at both ends of the period in which tau acted.
-    What friction takes at rest is not known, and what a stop takes says nothing of the chain.
+    ``before`` and ``state`` are positions and rates (2, n) at both ends of the period of tau.
+    A value is constant while its joint rests with dry friction, and 0 while it is at a stop.
     """
     rates = scratch(MOST_SERVO_JOINTS)
     explained = scratch(MOST_SERVO_JOINTS)
@@ -87,7 +87,7 @@ def _observe(model, friction, stops, around, tau, limit, share, period, before, 
 
 @lean
 def _plant_step(model, friction, stops, around, tau, step, q, qd):
-    """Move the chain by one step of time; its state stays as it is where it would run away."""
+    """Move the chain by one time step; if it would diverge, its state does not change."""
     A = scratch(MOST_SERVO_JOINTS, MOST_SERVO_JOINTS)
     bias = scratch(MOST_SERVO_JOINTS)
     none = scratch(MOST_SERVO_JOINTS)
@@ -128,19 +128,19 @@ def servo_steps(
 ):
     """Simulate a controller along a desired motion of a chain; return the number of periods.
 
-    ``plant`` and ``model`` (n + 1, 24) are the chain that moves, and the one that the controller
-    knows.  ``joints`` (6, n) have of the plant viscous and Coulomb friction, the excess of the
-    static one, and one over the rate at which it decays; from STOPS on least and largest joint
-    values, infinite where there are none.  ``controller`` (7, n) has the friction that it knows;
-    from GAINS on those of errors and of their rates, accelerations or, with PD_WITH_GRAVITY,
-    torques; at EFFORT the largest torques, infinite where there is no limit.  The ``mode`` is
-    COMPUTED_TORQUE or PD_WITH_GRAVITY, the ``share`` the part, 0 to 1, of what the model does not
-    explain of a period that is learned in it; ``around`` (15,) is as ``dynamics.layout`` says.
+    ``plant`` and ``model`` (n + 1, 24) are the simulated chain and the controller's model of it.
+    ``joints`` (6, n) of the plant are viscous friction, Coulomb friction, the excess of static
+    friction, and the inverse of the rate at which this decays; from STOPS on the smallest and
+    largest positions, infinite without stops.  ``controller`` (7, n) has the friction of the model;
+    from GAINS on the gains of errors and of their rates, in accelerations or, for PD_WITH_GRAVITY,
+    torques; at EFFORT the largest torques, infinite without limits.  The ``mode`` is
+    COMPUTED_TORQUE or PD_WITH_GRAVITY.  The ``share`` is the fraction of unexplained torques that
+    the observer adds in a period.  For ``around`` (15,) see ``dynamics.layout``.
 
-    ``wanted`` (m, 3, n) are joint values, rates and accelerations at the beginning of each
-    ``period`` (s), in which the plant moves in ``substeps``.  The ``state`` (3, n), joint values,
-    rates and observed torques, is brought to the end; ``out`` (m, 3, n) gets joint values and
-    rates at the end of each period, and the torques in it.
+    ``wanted`` (m, 3, n) are positions, rates and accelerations at the start of each ``period`` (s),
+    in which the plant moves in ``substeps``.  The ``state`` (3, n), positions, rates and observed
+    torques, is advanced to the end.  ``out`` (m, 3, n) receives positions and rates at the end of
+    each period, and its torques.
     """
     tau = scratch(MOST_SERVO_JOINTS)
     before = scratch(2, MOST_SERVO_JOINTS)

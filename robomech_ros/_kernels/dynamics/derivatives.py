@@ -1,8 +1,7 @@
-"""Derivatives of inverse dynamics by joint values, rates and accelerations.
+"""Derivatives of inverse dynamics with respect to joint positions, rates and accelerations.
 
 Source: Singh, Russo, Wensing, Efficient analytical derivatives of rigid-body dynamics using spatial
-vector algebra, IEEE Robotics and Automation Letters 7, 2022; for a chain all of it seen from one
-point.
+vector algebra, IEEE Robotics and Automation Letters 7, 2022, here about one reference point.
 """
 
 import math
@@ -40,11 +39,11 @@ from robomech_ros._kernels.spatial.vectors import combined, cross
 
 @lean
 def _tip_terms(axes, wrench, tip, by_q):
-    """Subtract the effect of the wrench on the tip, of constant direction, on the derivatives."""
+    """Subtract the contribution of a tip wrench of constant direction to the derivatives."""
     count = by_q.shape[0]
     for i in range(count):
         S = six(axes[i])
-        # The force is constant, and moves with the tip.
+        # The force is constant, but its point moves with the tip.
         mx, my, mz = cross(combined(S[3:], cross(S, tip), 1.0), wrench[3:])
         for j in range(count):
             by_q[j, i] -= axes[j, 0] * mx + axes[j, 1] * my + axes[j, 2] * mz
@@ -54,7 +53,7 @@ def _tip_terms(axes, wrench, tip, by_q):
 
 @lean
 def derivatives_body(model, q, qd, qdd, around, by_q, by_qd, M):
-    """Write the derivatives (n, n) of the torques, those by accelerations being the mass matrix."""
+    """Write the derivatives (n, n) of the torques; for accelerations this is the mass matrix M."""
     frames = scratch(MOST_JOINTS, 12)
     axes = scratch(MOST_JOINTS, 6)
     rates = scratch(MOST_JOINTS, 6)
@@ -66,7 +65,7 @@ def derivatives_body(model, q, qd, qdd, around, by_q, by_qd, M):
     count = model.shape[0] - 1
     for i in range(count):
         S = placed_axis(model, frames, i, point)
-        # Its own joint does not change an axis: this is its rate before and after the joint.
+        # A joint does not change its own axis, so the rates from the link before it are valid.
         first = motion_cross(velocity, S)
         second = plus(motion_cross(acceleration, S), motion_cross(velocity, first), 1.0)
         velocity = plus(velocity, S, qd[i])
@@ -119,7 +118,7 @@ def derivatives_body(model, q, qd, qdd, around, by_q, by_qd, M):
 def inverse_derivatives_one(model, q, qd, qdd, around, out):
     """Differentiate the torques of one state (n,), with the one row of ``around``.
 
-    The three matrices, as :func:`derivatives_body` has them, go to out (3, n, n).
+    The three matrices of :func:`derivatives_body` are written to out (3, n, n).
     """
     return derivatives_body(model, q, qd, qdd, around[0], out[0], out[1], out[2])
 

@@ -1,11 +1,10 @@
-"""Rates that dry friction and stops leave to joints, in steps of time.
+"""Joint rates under dry friction and stops, in time steps.
 
-Each step gives the joints the rates v at its end that minimise ``v . A v / 2 - b . v`` and ``h c
-|v|`` of each joint between the stops, with the mass matrix and viscous friction in A and the
-momentum and impulses in b: then dry friction c lets a joint stick and break away, and a stop hold
-it, however long the step h.  Source: Stewart, Trinkle, An implicit time-stepping scheme for rigid
-body dynamics with inelastic collisions and Coulomb friction, Int. J. Numerical Methods in
-Engineering 39, 1996.
+The rates v at the end of a step of length h minimise ``v . A v / 2 - b . v`` plus the sum of
+``h c |v_i|`` between the stops.  A holds the mass matrix and viscous friction, b momentum and
+impulses.  So joints with dry friction c can stick and break away, and stops hold, for any h.
+Source: Stewart, Trinkle, An implicit time-stepping scheme for rigid body dynamics with inelastic
+collisions and Coulomb friction, Int. J. Numerical Methods in Engineering 39, 1996.
 """
 
 import math
@@ -14,26 +13,26 @@ from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.compiling.jit import lean, scratch
 from robomech_ros._kernels.tolerances import LARGEST_SERVO_RATE
 
-# Matrices of their numbers stand on the stack.
+# Most joints of a controlled chain, since their matrices are on the stack.
 MOST_SERVO_JOINTS = 32
 
-# Most rounds of the search for sticking joints; one or two are the rule.
+# Largest number of rounds of the search for sticking joints; usually one or two suffice.
 _ROUNDS = 40
 
-# How near to a stop a joint is at it, rad or m.
+# Largest distance (rad or m) from a stop of a joint that is at it.
 AT_STOP = 1e-9
 
 
 @lean
 def dry_friction(friction, i, rate):
-    """Return the Coulomb friction of joint i with the rest of its static friction."""
+    """Return the dry friction of joint i: Coulomb friction and the decayed static excess."""
     x = abs(rate) * friction[3, i]
     return friction[1, i] + friction[2, i] * math.exp(-min(x * x, 700.0))
 
 
 @lean
 def _sweep(A, b, dry, low, high, v, count):
-    """Improve the rates one after the other, each the best with the others as they are."""
+    """Optimise the rates one after the other, with the others constant."""
     for i in range(count):
         value = b[i]
         for j in range(count):
@@ -76,7 +75,7 @@ def _settle(A, b, dry, low, high, v, count):
         return False
     for i in range(count):
         if not _is_held(dry, low, high, v, i):
-            # Through rest, or beyond a stop: another joint is held than was thought.
+            # The rate changes its sign, or violates a bound: the held set is wrong.
             if (dry[i] > 0.0 and x[i] * v[i] < 0.0) or x[i] < low[i] or x[i] > high[i]:
                 return False
             continue
@@ -84,7 +83,7 @@ def _settle(A, b, dry, low, high, v, count):
         for j in range(count):
             pull -= A[i, j] * x[j]
         slack = 1e-9 * (dry[i] + abs(b[i]))
-        # At a bound the joint must be pulled against it, by more than the friction where it moves.
+        # Forces must press a joint against its bound, against friction if it moves.
         least, most = -dry[i], dry[i]
         if v[i] >= high[i]:
             least, most = (dry[i] if v[i] > 0.0 else least), math.inf
@@ -99,7 +98,7 @@ def _settle(A, b, dry, low, high, v, count):
 
 @lean
 def settled_rates(A, b, dry, low, high, v, count):
-    """Write the rates v (count,) from the last ones; return whether they are finite and bounded."""
+    """Update the rates v (count,); return whether they are finite and not too large."""
     for _ in range(_ROUNDS):
         _sweep(A, b, dry, low, high, v, count)
         if _settle(A, b, dry, low, high, v, count):

@@ -1,9 +1,9 @@
-"""Chains on a base that moves freely: three slides and three turns at zero come before the joints.
+"""Chains on a free base, with three prismatic and three revolute joints at zero in front of it.
 
-A model is that of a chain behind these six joints, along x, y and z; the base body is that of the
-sixth.  Rates and accelerations (6 + n,) have the twist [omega; v] of the base in its own axes and
-its derivative first, efforts the wrench [n; f] on it.  All chains on one base have as many joints;
-one of their models has the base body.
+In a model, these six joints along x, y and z come before those of the chain; the base body belongs
+to the sixth.  Rates and accelerations (6 + n,) start with the twist [omega; v] of the base in its
+own axes and its derivative, efforts with the wrench [n; f] on it.  All chains on one base have the
+same number of joints; only one of their models has the base body.
 """
 
 from robomech_ros._kernels.chain.serial import OK
@@ -18,9 +18,9 @@ from robomech_ros._kernels.spatial.vectors import cross
 
 @lean
 def _drift(u):
-    """Return what slides and turns in a row add to the derivative of the twist of the base.
+    """Return velocity terms, angular and linear, in the derivative of the base's twist.
 
-    The turns are at zero, each about an axis that the former have turned.
+    The angular ones come from revolute joints that rotate each other's axes, at zero.
     """
     x, y, z = u[0], u[1], u[2]
     return (y * z, -x * z, x * y), cross((x, y, z), (u[3], u[4], u[5]))
@@ -28,14 +28,14 @@ def _drift(u):
 
 @lean
 def _swap(given, out):
-    """Swap the slides and the turns of a base vector."""
+    """Write the linear and the angular part of a base vector in the opposite order."""
     for j in range(3):
         out[j], out[3 + j] = given[3 + j], given[j]
 
 
 @kernel(i8(IN3, IN2, IN1, IN1, IN2, OUT1))
 def floating_inverse(models, q, u, du, around, out):
-    """Efforts (6 + k n,) of k chains at q (k, n), with the one row of ``around``, into out."""
+    """Write efforts (6 + k n,) of k chains at q (k, n), with one row of ``around``, to out."""
     values, rates = scratch(MOST_JOINTS), scratch(MOST_JOINTS)
     changes, efforts = scratch(MOST_JOINTS), scratch(MOST_JOINTS)
     turning, sliding = _drift(u)
@@ -62,7 +62,7 @@ def floating_inverse(models, q, u, du, around, out):
 
 @kernel(i8(IN2, IN1, IN1, IN1, IN2, OUT1))
 def floating_forward(model, q, u, efforts, around, out):
-    """Accelerations (6 + n,) of one chain, with the one row of ``around``, into out."""
+    """Write accelerations (6 + n,) of one chain, with one row of ``around``, to out."""
     values, rates = scratch(MOST_JOINTS), scratch(MOST_JOINTS)
     given, found = scratch(MOST_JOINTS), scratch(MOST_JOINTS)
     _swap(u, rates)
@@ -84,7 +84,7 @@ def floating_forward(model, q, u, efforts, around, out):
 
 @kernel(i8(IN3, IN2, OUT2))
 def floating_mass(models, q, out):
-    """Inertia (6 + k n, 6 + k n) of base and k chains at q (k, n) into out."""
+    """Write the mass matrix (6 + k n, 6 + k n) of the base and k chains at q (k, n) to out."""
     values, M = scratch(MOST_JOINTS), scratch(MOST_JOINTS, MOST_JOINTS)
     status, n = OK, q.shape[1]
     for i in range(out.shape[0]):

@@ -1,7 +1,7 @@
-"""Forward dynamics: articulated bodies, and the Cholesky factor of the mass matrix.
+"""Forward dynamics by articulated bodies, or by the Cholesky factor of the mass matrix.
 
-Source: Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, ch. 7, with all bodies seen
-from one point, so that articulated inertias add up without a change of axes.
+Source: Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, ch. 7, here about one reference
+point, so that articulated inertias are added without transformations.
 """
 
 import math
@@ -29,14 +29,14 @@ from robomech_ros._kernels.dynamics.inverse import inverse_body
 from robomech_ros._kernels.dynamics.layout import MOST_JOINTS
 from robomech_ros._kernels.dynamics.mass import NO_MOTION, mass_body
 
-# Status: the mass matrix is not positive definite; nothing resists some motion.
+# Status: the mass matrix is not positive definite, so a motion has no inertia.
 SINGULAR = 2
 _NOTHING = (0.0,) * 21
 
 
 @lean
 def _with_body(A, body):
-    """Add a body (10) to the upper triangle (21) of an inertia, row by row."""
+    """Return the sum of an inertia, as its upper triangle (21) row by row, and a body (10)."""
     m, x, y, z = body[0], body[1], body[2], body[3]
     return (
         A[0] + body[4],
@@ -65,7 +65,7 @@ def _with_body(A, body):
 
 @lean
 def _times(A, x):
-    """Multiply an inertia (21) by a motion (6): a force (6)."""
+    """Return the force (6) that is an inertia (21) times a motion (6)."""
     a, b, c, d, e, f = x[0], x[1], x[2], x[3], x[4], x[5]
     return (
         A[0] * a + A[1] * b + A[2] * c + A[3] * d + A[4] * e + A[5] * f,
@@ -79,7 +79,7 @@ def _times(A, x):
 
 @lean
 def _less_joint(A, U, inverse):
-    """Subtract from an inertia (21) the part that a yielding joint does not pass on: U U^T / D."""
+    """Return an inertia (21) less U U^T / D, which a free joint does not transmit."""
     a, b, c = U[0] * inverse, U[1] * inverse, U[2] * inverse
     d, e, f = U[3] * inverse, U[4] * inverse, U[5] * inverse
     return (
@@ -109,7 +109,7 @@ def _less_joint(A, U, inverse):
 
 @lean
 def _articulated_body(model, q, qd, tau, around, out):
-    """Write the accelerations (n,) of a chain whose joints all move by themselves to out."""
+    """Write the accelerations (n,) of a chain without mimic joints to out."""
     frames = scratch(MOST_JOINTS, 12)
     axes = scratch(MOST_JOINTS, 6)
     drifts = scratch(MOST_JOINTS, 6)
@@ -125,7 +125,7 @@ def _articulated_body(model, q, qd, tau, around, out):
         write_six(axes[i], S)
         write_six(velocities[i], velocity)
         write_six(drifts[i], motion_cross(velocity, plus(NO_MOTION, S, qd[i])))
-    # The inertia beyond a joint that gives way, and the force that it takes.
+    # The articulated inertia beyond a joint, and its bias force.
     A = _NOTHING
     p = plus(NO_MOTION, wrench_about(around, tip), -1.0)
     for i in range(count - 1, -1, -1):
@@ -178,7 +178,7 @@ def _coupled_body(model, q, qd, tau, around, out):
 
 @lean
 def forward_body(model, q, qd, tau, around, out):
-    """Write the accelerations (n,) that torques give to out; return the status."""
+    """Write the accelerations (n,) caused by torques to out; return the status."""
     if is_coupled(model):
         return _coupled_body(model, q, qd, tau, around, out)
     return _articulated_body(model, q, qd, tau, around, out)
@@ -186,13 +186,13 @@ def forward_body(model, q, qd, tau, around, out):
 
 @kernel(i8(IN2, IN1, IN1, IN1, IN2, OUT1))
 def forward_dynamics_one(model, q, qd, tau, around, out):
-    """Accelerations for one state (n,), with the one row of ``around``, into out (n,)."""
+    """Write accelerations for one state (n,), with the one row of ``around``, to out (n,)."""
     return forward_body(model, q, qd, tau, around[0], out)
 
 
 @kernel(i8(IN2, IN2, IN2, IN2, IN2, OUT2))
 def forward_dynamics(model, q, qd, tau, around, out):
-    """Accelerations for states (m, n) into out (m, n); ``around`` has m rows, or one for all."""
+    """Write accelerations for states (m, n) to out (m, n); ``around`` has m rows, or one."""
     status = OK
     last = around.shape[0] - 1
     for k in range(q.shape[0]):
@@ -202,7 +202,7 @@ def forward_dynamics(model, q, qd, tau, around, out):
 
 @kernel(i8(IN2, IN2, IN2, IN2, IN2, OUT2, OUT2))
 def forward_dynamics_cholesky(model, q, qd, tau, around, M, out):
-    """Accelerations as above, by the mass matrix; M (n + 1, n) is working space."""
+    """Write accelerations to out (m, n) by the mass matrix; M (n + 1, n) is working space."""
     status = OK
     last = around.shape[0] - 1
     none = M[q.shape[1]]

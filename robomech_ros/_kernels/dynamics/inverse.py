@@ -1,4 +1,4 @@
-"""Inverse dynamics by the recursion of Newton and Euler, in the frames of the links.
+"""Inverse dynamics by the Newton-Euler recursion in the frames of the links.
 
 Source: Luh, Walker, Paul, On-line computational scheme for mechanical manipulators, ASME J. Dynamic
 Systems, Measurement and Control 102, 1980; Angeles, Fundamentals of Robotic Mechanical Systems, 4th
@@ -21,7 +21,7 @@ from robomech_ros._kernels.spatial.vectors import combined, cross, mixed, scaled
 
 @fused
 def step_between(model, i, q):
-    """Return the transform from the frame of link i to that before it, as twelve numbers."""
+    """Return the transform (12) from the frame of link i to that of the link before."""
     a0, a1, a2 = model[i, 1], model[i, 2], model[i, 3]
     b0, b1, b2 = model[i, 4], model[i, 5], model[i, 6]
     c0, c1, c2 = model[i, 7], model[i, 8], model[i, 9]
@@ -48,13 +48,13 @@ def step_between(model, i, q):
 
 @lean
 def into(E, v):
-    """Turn a vector into the axes of the next link."""
+    """Return a vector in the axes of the next link."""
     return mixed(v, E[:3], E[3:6], E[6:9])
 
 
 @lean
 def _out_of(E, v):
-    """Turn a vector from the axes of the next link into those before it."""
+    """Return a vector of the axes of the next link in those of the link before."""
     x, y, z = v
     return (
         E[0] * x + E[1] * y + E[2] * z,
@@ -71,7 +71,7 @@ def three(row, i):
 
 @lean
 def next_motion(motion, E, slides, rate, gain):
-    """Go from the motion of a link, (omega, alpha, a of its origin), to that of the next."""
+    """Return the motion (omega, alpha, a of the origin) of the next link from that of a link."""
     w, b, a = motion
     step = three(E, 9)
     a = combined(combined(a, cross(b, step), 1.0), triple(w, step), 1.0)
@@ -94,12 +94,12 @@ def _keep(room, i, E, n, f):
 
 @lean
 def _collect(model, room, tip, out):
-    """Add up moments and forces from the tip inwards, and write what each joint takes.
+    """Add moments and forces from the tip to the base; write joint efforts, return the status.
 
-    ``tip`` are moment and force on the tip, in the axes of the last link.
+    ``tip`` holds moment and force on the tip, in the axes of the last link.
     """
     count = model.shape[0] - 1
-    # The last link passes to the tip what the surroundings do to it, with the other sign.
+    # The last link balances the wrench on the tip.
     moment, force = tip
     f = scaled(force, -1.0)
     n = combined(cross(three(model[count], 10), f), moment, -1.0)
@@ -126,7 +126,7 @@ def _is_loaded(around):
 
 @lean
 def _joint_torques(model, q, qd, qdd, around, out):
-    """Write the torques (m,) that give all joints their accelerations to out."""
+    """Write the torques (m,) of all joints, mimic joints uncoupled, for accelerations to out."""
     room = scratch(MOST_JOINTS, 18)
     count = model.shape[0] - 1
     motion = three(around, 0), three(around, 3), three(around, 6)
@@ -170,7 +170,7 @@ def _coupled_torques(model, q, qd, qdd, around, out):
 
 @lean
 def inverse_body(model, q, qd, qdd, around, out):
-    """Write the torques (n,) that give accelerations qdd to out; return the status."""
+    """Write the torques (n,) for accelerations qdd to out; return the status."""
     if is_coupled(model):
         return _coupled_torques(model, q, qd, qdd, around, out)
     return _joint_torques(model, q, qd, qdd, around, out)
@@ -178,7 +178,7 @@ def inverse_body(model, q, qd, qdd, around, out):
 
 @lean
 def _joint_gravity(model, q, around, out):
-    """Write the torques (m,) that hold all joints to out."""
+    """Write the static torques (m,) of all joints, mimic joints uncoupled, to out."""
     room = scratch(MOST_JOINTS, 18)
     a, moment, force = three(around, 6), three(around, 9), three(around, 12)
     loaded = _is_loaded(around)
@@ -205,9 +205,9 @@ def _coupled_gravity(model, q, around, out):
 
 @lean
 def gravity_body(model, q, around, out):
-    """Write the torques (n,) that hold the chain still at q to out; return the status.
+    """Write the torques (n,) that hold the chain at rest at q to out; return the status.
 
-    Only the acceleration of the origin and the wrench of its surroundings count.
+    Only the acceleration of the base's origin and the tip wrench of ``around`` are used.
     """
     if is_coupled(model):
         return _coupled_gravity(model, q, around, out)
@@ -216,13 +216,13 @@ def gravity_body(model, q, around, out):
 
 @kernel(i8(IN2, IN1, IN1, IN1, IN2, OUT1))
 def inverse_dynamics_one(model, q, qd, qdd, around, out):
-    """Torques for one state (n,), with the one row of ``around``, into out (n,)."""
+    """Write torques for one state (n,), with the one row of ``around``, to out (n,)."""
     return inverse_body(model, q, qd, qdd, around[0], out)
 
 
 @kernel(i8(IN2, IN2, IN2, IN2, IN2, OUT2))
 def inverse_dynamics(model, q, qd, qdd, around, out):
-    """Torques for states (m, n) into out (m, n); ``around`` has m rows, or one for all."""
+    """Write torques for states (m, n) to out (m, n); ``around`` has m rows, or one for all."""
     status = OK
     last = around.shape[0] - 1
     for k in range(q.shape[0]):
@@ -232,13 +232,13 @@ def inverse_dynamics(model, q, qd, qdd, around, out):
 
 @kernel(i8(IN2, IN1, IN2, OUT1))
 def gravity_torque_one(model, q, around, out):
-    """Torques that hold the chain at one q (n,), with the one row of ``around``, into out (n,)."""
+    """Write static torques at one q (n,), with the one row of ``around``, to out (n,)."""
     return gravity_body(model, q, around[0], out)
 
 
 @kernel(i8(IN2, IN2, IN2, OUT2))
 def gravity_torque(model, q, around, out):
-    """Torques that hold the chain at q (m, n) into out (m, n)."""
+    """Write static torques at q (m, n) to out (m, n)."""
     status = OK
     last = around.shape[0] - 1
     for k in range(q.shape[0]):

@@ -1,4 +1,4 @@
-"""Mass matrix by composite bodies, Coriolis matrix, and momentum and energy of a chain.
+"""Mass matrix by composite bodies, Coriolis matrix, momentum and kinetic energy of a chain.
 
 Sources: Walker, Orin, Efficient dynamic computer simulation of robotic mechanisms, ASME J. Dynamic
 Systems, Measurement and Control 104, 1982; Echeandia, Wensing, Numerical methods to compute the
@@ -33,7 +33,7 @@ NO_RATE = (0.0,) * 12
 
 @fused
 def _joint_masses(model, q, M):
-    """Write the mass matrix (m, m) of all joints to M."""
+    """Write the mass matrix (m, m) of all joints, mimic joints uncoupled, to M."""
     frames = scratch(MOST_JOINTS, 12)
     axes = scratch(MOST_JOINTS, 6)
     status, point, _ = place_frames(model, q, frames)
@@ -73,17 +73,16 @@ def mass_body(model, q, M):
 
 @lean
 def momentum_rate(body, motion):
-    """Return what makes ``v x* I v`` of the velocity v of a body, as a matrix that acts on v.
+    """Return the matrix B with ``B v = v x* I v`` for the velocity v of a body.
 
-    It is [[K, 0], [-p, 0]] with the 3 x 3 matrix K, row by row, in the first nine numbers and the
-    linear momentum p, as a vector, in the last three.  The rate of the inertia less twice this
-    matrix is skew.
+    B is [[K, 0], [-[p]x, 0]], returned as K row by row (9), then the linear momentum p (3).  The
+    rate of the inertia less 2 B is skew-symmetric.
     """
     m, hx, hy, hz = body[0], body[1], body[2], body[3]
     xx, xy, xz, yy, yz, zz = body[4], body[5], body[6], body[7], body[8], body[9]
     wx, wy, wz = motion[0], motion[1], motion[2]
     vx, vy, vz = motion[3], motion[4], motion[5]
-    # Half the angular momentum, and half the rate of the moments of inertia.
+    # Half the angular momentum (l), and half the rate of the moments of inertia (s).
     lx = 0.5 * (xx * wx + xy * wy + xz * wz + hy * vz - hz * vy)
     ly = 0.5 * (xy * wx + yy * wy + yz * wz + hz * vx - hx * vz)
     lz = 0.5 * (xz * wx + yz * wy + zz * wz + hx * vy - hy * vx)
@@ -112,13 +111,13 @@ def momentum_rate(body, motion):
 
 @lean
 def rates_joined(a, b):
-    """Add two rates of momentum (12)."""
+    """Return the sum of two matrices (12) of :func:`momentum_rate`."""
     return plus(a[:6], b[:6], 1.0) + plus(a[6:], b[6:], 1.0)
 
 
 @lean
 def rate_times(B, S):
-    """Multiply a rate of momentum (12) by a motion (6): a force (6)."""
+    """Return the force (6) that is a matrix B (12) times a motion (6)."""
     x, y, z = S[0], S[1], S[2]
     return (
         B[0] * x + B[1] * y + B[2] * z,
@@ -132,7 +131,7 @@ def rate_times(B, S):
 
 @lean
 def times_rate(S, B):
-    """Multiply a motion (6) by a rate of momentum (12); three of the six numbers are not 0."""
+    """Return the first half (3) of S^T B for a motion S (6) and a matrix B (12); the rest is 0."""
     return (
         B[0] * S[0] + B[3] * S[1] + B[6] * S[2] + B[10] * S[5] - B[11] * S[4],
         B[1] * S[0] + B[4] * S[1] + B[7] * S[2] + B[11] * S[3] - B[9] * S[5],
@@ -185,7 +184,7 @@ def _totals_body(model, q, qd, out):
     """Write mass, first moment, angular and linear momentum, and kinetic energy to out (11,).
 
     The first moment and the angular momentum are about the base's origin, in its axes; the energy
-    is that of the bodies and of the rotors.
+    includes the rotors.
     """
     frames = scratch(MOST_JOINTS, 12)
     status, point, _ = place_frames(model, q, frames)
@@ -217,13 +216,13 @@ def _totals_body(model, q, qd, out):
 
 @kernel(i8(IN2, IN1, OUT2))
 def mass_matrix_one(model, q, out):
-    """Mass matrix at one q (n,) into out (n, n)."""
+    """Write the mass matrix at one q (n,) to out (n, n)."""
     return mass_body(model, q, out)
 
 
 @kernel(i8(IN2, IN2, OUT3))
 def mass_matrix(model, q, out):
-    """Mass matrices at q (m, n) into out (m, n, n)."""
+    """Write mass matrices at q (m, n) to out (m, n, n)."""
     status = OK
     for k in range(q.shape[0]):
         status |= mass_body(model, q[k], out[k])
@@ -232,7 +231,7 @@ def mass_matrix(model, q, out):
 
 @kernel(i8(IN2, IN2, IN2, OUT3))
 def coriolis_matrix(model, q, qd, out):
-    """Coriolis matrices for q, qd (m, n) into out (m, n, n)."""
+    """Write Coriolis matrices for q, qd (m, n) to out (m, n, n)."""
     status = OK
     for k in range(q.shape[0]):
         status |= _coriolis_body(model, q[k], qd[k], out[k])
@@ -241,7 +240,7 @@ def coriolis_matrix(model, q, qd, out):
 
 @kernel(i8(IN2, IN2, IN2, OUT2))
 def totals(model, q, qd, out):
-    """Mass, momentum and kinetic energy for q, qd (m, n) into out (m, 11)."""
+    """Write mass, momentum and kinetic energy for q, qd (m, n) to out (m, 11)."""
     status = OK
     for k in range(q.shape[0]):
         status |= _totals_body(model, q[k], qd[k], out[k])

@@ -1,6 +1,6 @@
-"""The matrix from the bodies' parameters to the torques.
+"""Regressor: the matrix from the inertial parameters of the bodies to the torques.
 
-The torques are linear in the ten numbers of each body that ``dynamics.layout`` names.  Source:
+The torques are linear in the ten parameters of each body in ``dynamics.layout``.  Source:
 Atkeson, An, Hollerbach, Estimation of inertial parameters of manipulator loads and links, Int. J.
 Robotics Research 5, 1986.
 """
@@ -18,7 +18,7 @@ from robomech_ros._kernels.spatial.vectors import combined, cross, dot, triple
 
 @lean
 def _write_row(turning, moving, motion, row):
-    """Write the coefficients of a body's ten parameters along an axis, both in its frame."""
+    """Write the coefficients of a body's ten parameters in the effort along a joint axis."""
     w, b, a = motion
     row[0] = dot(moving, a)
     # Transposed [alpha x] + [omega x]^2 times v, plus a x e.
@@ -65,7 +65,7 @@ def _regressor_body(packed, q, qd, qdd, around, Y):
 
 @kernel(i8(IN2, IN2, IN2, IN2, IN2, OUT3))
 def torque_regressor(packed, q, qd, qdd, around, out):
-    """Regressors for states (m, n) into out (m, n, 10 n); ``around`` has m rows, or one for all."""
+    """Write regressors for states (m, n) to out (m, n, 10 n); ``around`` has m rows, or one."""
     status = OK
     last = around.shape[0] - 1
     for k in range(q.shape[0]):
