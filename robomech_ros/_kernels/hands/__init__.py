@@ -1,1 +1,1 @@
-"""Hands: wrenches of contacts, and closure of grasps."""
+"""Contact wrenches, and closure and quality of grasps."""

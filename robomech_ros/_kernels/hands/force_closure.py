@@ -1,9 +1,9 @@
 """Wrench cones of contacts, and the test that they surround the origin.
 
-A contact exerts the wrenches n a + B' y with |y| <= n, n its normal force.  The cones surround the
-origin, strictly, if and only if the polar body a . u + |B u| <= 1 is bounded, and then its
-logarithmic barrier has a minimum.  Newton's method looks for it: a decrement below 1 proves that
-there is one, a direction that no cone opposes that there is none.
+A contact with the normal force n exerts the wrenches n a + B' y with |y| <= n.  The cones strictly
+surround the origin if and only if the polar body a . u + |B u| <= 1 is bounded; then its
+logarithmic barrier has a minimum.  Newton's method searches for it: a decrement below 1 proves that
+it exists, and a direction along which no cone has a wrench proves that it does not.
 
 Source: Nesterov and Nemirovskii, Interior-Point Polynomial Algorithms in Convex Programming, SIAM
 1994, ch. 2.
@@ -19,15 +19,15 @@ OPEN, CLOSED = 0, 1
 _MOST_STEPS = 120
 # Decrement that proves closure: below 1, with a margin for rounding.
 _PROVEN = 0.9
-# Size of a polar body that counts as unbounded: its grasp resists 1e-9 at most.
+# Size of a polar body that counts as unbounded: the grasp resists wrenches of at most 1e-9.
 _FARTHEST = 1e9
-# Squares of singular values below this share of the entries are rounding.
+# Squared singular values below this fraction of the entries are rounding errors.
 _NO_RANK = 1e-14
 
 
 @lean
 def _write_wrench(force, row, at, origin, length, planar, out):
-    """Write the wrench of the force row[at:at + 3] at the contact, moments in units of length."""
+    """Write the wrench of `force` along row[at:at + 3] at the contact, moments over the length."""
     x, y, z = row[0] - origin[0], row[1] - origin[1], row[2] - origin[2]
     f, g, h = row[at] * force, row[at + 1] * force, row[at + 2] * force
     if planar:
@@ -57,12 +57,12 @@ def _cones(rows, origin, length, planar, cones):
 
 @kernel(i8(IN2, IN1, f8, b1, OUT3))
 def wrench_cones(rows, origin, length, planar, cones):
-    """Write the wrench of the normal and of three bounded components of each contact.
+    """Write the wrenches of the normal force and of three bounded components of each contact.
 
-    ``rows`` (k, 15) are position, normal, and two tangents of the contacts, and how far each of
-    three components may go for a unit of normal force (friction, friction, and torsion as m).
-    Moments are about the ``origin`` (3,), in units of ``length`` (m).  If ``planar``, wrenches
-    have the moment about z and the force along x and y only.  ``cones`` (k, 4, 3 or 6) are filled.
+    ``rows`` (k, 15) are position, normal and two tangents of the contacts, and the bounds of three
+    components for a unit normal force: friction, friction, and torsion (m).  Moments are about the
+    ``origin`` (3,), in units of ``length`` (m).  If ``planar``, wrenches only have the moment
+    about z and the force along x and y.  ``cones`` (k, 4, 3 or 6) are written.
     """
     _cones(rows, origin, length, planar, cones)
     return 0
@@ -70,7 +70,7 @@ def wrench_cones(rows, origin, length, planar, cones):
 
 @lean
 def _unopposed(cones, u):
-    """Return whether no contact exerts a wrench along u."""
+    """Return whether no contact can exert a wrench with a positive component along u."""
     for i in range(cones.shape[0]):
         along, across = 0.0, 0.0
         for c in range(cones.shape[2]):
@@ -120,7 +120,7 @@ def barrier(cones, u, H, g, y):
 
 @lean
 def _spans(H, d):
-    """Factorise the lower triangle of H; return whether H has full rank."""
+    """Factorise the lower triangle of H in place; return whether H has full rank."""
     for j in range(d):
         whole = H[j, j]
         for k in range(j):
@@ -140,8 +140,8 @@ def _spans(H, d):
 def closed(rows, origin, length, planar, cones, u):
     """Return whether the wrenches of the contacts surround the origin: CLOSED or OPEN.
 
-    The first five arguments are as for :func:`wrench_cones`.  u (3 or 6,) is filled with where the
-    method ended; no wrench, or hardly any, is along that of an open grasp.
+    The first five arguments are as for :func:`wrench_cones`.  u (3 or 6,) receives the last point
+    of the method; for an open grasp, no wrench has a considerable component along it.
     """
     _cones(rows, origin, length, planar, cones)
     d = cones.shape[2]

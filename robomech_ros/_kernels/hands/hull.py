@@ -1,13 +1,13 @@
-"""An incremental convex hull with the neighbours of its facets.
+"""Incremental convex hull with the neighbours of its facets.
 
-Each facet has d points and the plane v . x = 1 through them.  A new point takes the place of all
-facets that it is above of and that hang together: it is joined to each of their outer ridges.  The
-plane of a new facet is between those of the two facets at its ridge, so that rounding does not grow
-from facet to facet.
+Each facet has d points and the plane v . x = 1 through them.  A new point replaces the connected
+facets that are visible from it by facets between it and each of their outer ridges.  The plane of a
+new facet is interpolated between those of the two facets at its ridge, so that rounding errors do
+not accumulate.
 
-Whatever rounding decides, the facets stay closed around the origin, since no cone from a point over
-a facet below it contains the origin: the distance of the nearest plane is that of a ball inside the
-hull.
+In spite of rounding, the facets always enclose the origin, since no cone from a point over a facet
+below it contains the origin.  So the distance of the nearest plane is the radius of a ball inside
+the hull.
 
 Source: Motzkin, Raiffa, Thompson and Thrall, The double description method, in: Contributions to
 the Theory of Games II, Princeton 1953.
@@ -17,19 +17,19 @@ import math
 
 from robomech_ros._kernels.compiling.jit import lean
 
-# Mark of removed facets, and the result if there is no room for more.
+# Mark of removed facets, and the result if the arrays are full.
 DEAD = -(1 << 62)
 FULL = -1
-# Least excess of v . p over 1 for a point above a plane.
+# Least excess of v . p over 1 for a point p above a plane.
 ABOVE = 1e-12
-# A neighbour is facet << _BITS, and the index of the point that only it has.
+# A neighbour is stored as facet << _BITS, plus the index of the point that only it has.
 _BITS = 3
 _PLACE = 7
 
 
 @lean
 def above(planes, f, p):
-    """Return v . p of the plane of a facet: more than 1 above it."""
+    """Return v . p for the plane of a facet; it is more than 1 if p is above the plane."""
     found = 0.0
     for c in range(p.shape[0]):
         found += planes[f, c] * p[c]
@@ -38,7 +38,7 @@ def above(planes, f, p):
 
 @lean
 def _measure(planes, f, d):
-    """Write the distance of a plane from the origin behind it."""
+    """Write the distance of a plane from the origin to the column after v."""
     square = 0.0
     for c in range(d):
         square += planes[f, c] * planes[f, c]
@@ -46,12 +46,12 @@ def _measure(planes, f, d):
 
 
 @lean
-def begin(facets, planes, lists, d):
-    """Make the facets of a simplex of the points 0 to d; return the number of free facets.
+def make_simplex(facets, planes, lists, d):
+    """Write the facets of a simplex of the points 0 to d; return the number of free facets.
 
-    Filled are ``facets`` (m, 2 d + 1) with points, neighbours without each of them, and a mark;
-    ``planes`` (m, d + 1), which hold v of the first d + 1, with their distances; and ``lists`` (3,
-    m) with facets that are free, and room for those that go and come.
+    ``facets`` (m, 2 d + 1) receives points, the neighbours opposite to them, and a mark.
+    ``planes`` (m, d + 1) holds v of the first d + 1 facets and receives their distances.  ``lists``
+    (3, m) receives free facets; the other rows are for removed and for new facets.
     """
     for f in range(d + 1):
         for j in range(d):
@@ -67,8 +67,8 @@ def begin(facets, planes, lists, d):
 
 
 @lean
-def _seen(facets, planes, lists, f, p, stamp):
-    """List the connected facets below p around f, marked by the stamp; return their number."""
+def _list_visible(facets, planes, lists, f, p, stamp):
+    """List the connected facets below p around f, and mark them; return their number."""
     d = p.shape[0]
     facets[f, 2 * d] = stamp
     lists[1, 0] = f
@@ -88,8 +88,8 @@ def _seen(facets, planes, lists, f, p, stamp):
 
 
 @lean
-def _cover(facets, planes, new, f, j, point, p):
-    """Make a facet of a point and the ridge of f without its point j."""
+def _add_facet(facets, planes, new, f, j, point, p):
+    """Write the facet of a point and of the ridge of f opposite to its point j."""
     d = p.shape[0]
     g, slot = facets[f, d + j] >> _BITS, facets[f, d + j] & _PLACE
     up, down = above(planes, f, p), above(planes, g, p)
@@ -106,8 +106,8 @@ def _cover(facets, planes, new, f, j, point, p):
 
 
 @lean
-def _place(facets, f, point, d):
-    """Return the index of a point in a facet."""
+def _index_in(facets, f, point, d):
+    """Return the index of a point within a facet."""
     for c in range(d):
         if facets[f, c] == point:
             return c
@@ -116,9 +116,9 @@ def _place(facets, f, point, d):
 
 @lean
 def _link(facets, f, j, d):
-    """Find the other neighbours of the new facet at the ridge of f without its point j.
+    """Write the other neighbours of the new facet at the ridge of f opposite to its point j.
 
-    Around the common part of both ridges, the walk passes facets to be removed.
+    The search passes removed facets around the common part of both ridges.
     """
     new = -1 - facets[f, d + j]
     for i in range(d):
@@ -127,25 +127,25 @@ def _link(facets, f, j, d):
             while facets[at, d + out] >= 0:
                 slot = facets[at, d + out] & _PLACE
                 at = facets[at, d + out] >> _BITS
-                out = _place(facets, at, beside, d)
+                out = _index_in(facets, at, beside, d)
                 beside = facets[at, slot]
             other = -1 - facets[at, d + out]
-            facets[new, d + i] = other << _BITS | _place(facets, at, beside, d)
+            facets[new, d + i] = other << _BITS | _index_in(facets, at, beside, d)
 
 
 @lean
-def join(facets, planes, lists, sizes, f, point, p):
+def add_point(facets, planes, lists, sizes, f, point, p):
     """Replace the connected facets below a point, around facet f, by facets to the point.
 
-    ``facets``, ``planes`` and ``lists`` are as for :func:`begin`; ``sizes`` (2,) are the number of
-    free facets and the last stamp; p (d,) is where the point of this number is, above f.  Returns
-    the number of new facets, in the third of the lists; FULL = no room, and the hull is spoilt.
+    ``facets``, ``planes`` and ``lists`` are as for :func:`make_simplex`; ``sizes`` (2,) are the
+    number of free facets and the last mark.  ``point`` is the number of the point at p (d,), which
+    is above f.  Returns the number of new facets in the third list, or FULL with an invalid hull.
     """
     d = p.shape[0]
     sizes[1] += 1
-    gone = _seen(facets, planes, lists, f, p, sizes[1])
+    removed = _list_visible(facets, planes, lists, f, p, sizes[1])
     count = 0
-    for a in range(gone):
+    for a in range(removed):
         for j in range(d):
             at = lists[1, a]
             if facets[facets[at, d + j] >> _BITS, 2 * d] != sizes[1]:
@@ -153,13 +153,13 @@ def join(facets, planes, lists, sizes, f, point, p):
                     return FULL
                 sizes[0] -= 1
                 lists[2, count] = lists[0, sizes[0]]
-                _cover(facets, planes, lists[2, count], at, j, point, p)
+                _add_facet(facets, planes, lists[2, count], at, j, point, p)
                 count += 1
-    for a in range(gone):
+    for a in range(removed):
         for j in range(d):
             if facets[lists[1, a], d + j] < 0:
                 _link(facets, lists[1, a], j, d)
-    for a in range(gone):
+    for a in range(removed):
         lists[0, sizes[0]] = lists[1, a]
         facets[lists[1, a], 2 * d] = DEAD
         sizes[0] += 1

@@ -1,8 +1,8 @@
-"""A simplex around the polar body of a grasp: the first hull of its wrenches.
+"""Simplex around the polar body of a grasp, for the first hull of its wrenches.
 
 The polar body is a . u + |B u| <= 1 for all contacts.  Its logarithmic barrier has the parameter
-2 for each contact, and the body is inside the ellipsoid about the centre of the barrier that is
-given by its Hessian and the radius nu + 2 sqrt(nu).
+nu = 2 for each contact.  The body is inside an ellipsoid about the centre of the barrier, with the
+Hessian there as its matrix and the radius nu + 2 sqrt(nu).
 
 Source: Nesterov and Nemirovskii, Interior-Point Polynomial Algorithms in Convex Programming, SIAM
 1994, proposition 2.3.2.
@@ -15,7 +15,7 @@ from robomech_ros._kernels.compiling.jit import lean, scratch
 from robomech_ros._kernels.hands.force_closure import barrier
 
 _MOST_STEPS = 200
-# Decrements below which a whole step of Newton's method converges, and has converged.
+# Decrements below which full steps of Newton's method converge, and have converged.
 _NEAR = 0.25
 _CENTRED = 1e-7
 # Enlargement of the ellipsoid for the error of its centre.
@@ -26,7 +26,7 @@ _WIDER = 1.01
 def _centre(cones, u, H):
     """Write the centre of the barrier to u, and the factor of its Hessian to H.
 
-    Returns False where rounding keeps Newton's method from it.
+    Returns False if Newton's method does not converge, because of rounding errors.
     """
     d = cones.shape[2]
     g, step, y = scratch(6), scratch(6), scratch(10)
@@ -52,7 +52,7 @@ def _centre(cones, u, H):
 
 @lean
 def _regular(i, c, d):
-    """Return a component of one of the d + 1 unit vectors from the middle to a regular simplex."""
+    """Return component c of the unit vector from the centre to corner i of a regular simplex."""
     if i == d:
         return 1.0 / math.sqrt(d)
     own = math.sqrt(1.0 + 1.0 / d)
@@ -61,12 +61,11 @@ def _regular(i, c, d):
 
 @lean
 def enclosed(cones, points, planes):
-    """Write d + 1 wrenches inside the hull of all, and the planes of the facets between them.
+    """Write d + 1 wrenches inside the hull of ``cones`` (k, 4, d), and the planes between them.
 
-    Of ``cones`` (k, 4, d) it fills rows of ``points`` (d + 1 or more, d) and of ``planes`` (d + 1
-    or more, d or more): v of the plane v . x = 1 through all points but the one of the same
-    number, a corner of a simplex around the polar body.  Returns False where rounding keeps it
-    from that.
+    The first d + 1 rows of ``points`` and of ``planes`` are written.  Row i of the latter is v of
+    the plane v . x = 1 through all points except point i: a corner of a simplex around the polar
+    body.  Returns False if rounding errors prevent this.
     """
     d = cones.shape[2]
     u, H = scratch(6), scratch(6, 6)

@@ -1,8 +1,8 @@
-"""Bounds of the quality of a grasp by a hull of wrenches that grows where it is nearest.
+"""Bounds of the quality of a grasp by a hull of wrenches that is refined at its nearest facet.
 
-The nearest plane of a hull inside all wrenches bounds the quality from below.  Moved out until it
-touches the wrenches it bounds the quality from above, and the point where it touches is added.
-Facets farther away than the upper bound are never looked at again.
+The nearest plane of a hull inside the wrenches gives a lower bound of the quality.  Moved outwards
+until it supports the wrenches, it gives an upper bound, and the support point is added to the hull.
+Facets farther away than the upper bound are not processed.
 
 Source: Zheng, An Efficient Algorithm for a Grasp Quality Measure, IEEE Trans. Robotics 29, 2013.
 """
@@ -11,24 +11,24 @@ import math
 
 from robomech_ros._kernels.compiling.jit import kernel, lean, scratch, scratch_integers
 from robomech_ros._kernels.compiling.types import IN3, IOUT2, OUT1, OUT2, f8, i8
-from robomech_ros._kernels.hands.hull import ABOVE, DEAD, FULL, above, begin, join
+from robomech_ros._kernels.hands.hull import ABOVE, DEAD, FULL, above, add_point, make_simplex
 from robomech_ros._kernels.hands.polar import enclosed
 
 CLOSE, USED_UP, SPOILT = 0, 1, 2
-# Slack of a lower bound, for the rounding of wrenches of size 1.
+# Rounding error of a lower bound, for wrenches of size 1.
 _ROUNDING = 1e-12
-# Facets are left out that are nearer than the upper bound by this fraction of the tolerance.
+# Facets within this fraction of the tolerance below the upper bound are omitted.
 _ENOUGH = 0.999
-# New points lose up to this fraction of the tolerance, and of themselves, so that not too many are
-# in one plane; the golden section spreads the parts.
-_GIVEN_UP = 1e-2
-_MOST_GIVEN_UP = 1e-6
+# New points are shrunk by up to this fraction of the tolerance, and of themselves, so that few are
+# in one plane; the golden ratio distributes the fractions.
+_SHRINK = 1e-2
+_MOST_SHRINK = 1e-6
 _GOLDEN = 0.6180339887498949
 
 
 @lean
 def _touch(cone, n, p):
-    """Write the wrench of a contact that is farthest along n; return the distance."""
+    """Write the wrench of a contact that is farthest along n; return its distance."""
     d = n.shape[0]
     y = scratch(3)
     along, square = 0.0, 0.0
@@ -50,7 +50,7 @@ def _touch(cone, n, p):
 
 @lean
 def _farthest(cones, n, p, best):
-    """Write the wrench of all contacts that is farthest along n to best; return the distance."""
+    """Write the farthest wrench of all contacts along n to best; return its distance."""
     found = -math.inf
     for i in range(cones.shape[0]):
         height = _touch(cones[i], n, p)
@@ -63,7 +63,7 @@ def _farthest(cones, n, p, best):
 
 @lean
 def _push(heap, size, key, facet):
-    """Push a facet onto a heap, the nearest first."""
+    """Push a facet onto a heap with the nearest facet first."""
     at = size
     while at > 0 and heap[(at - 1) // 2, 0] > key:
         heap[at, 0], heap[at, 1] = heap[(at - 1) // 2, 0], heap[(at - 1) // 2, 1]
@@ -73,7 +73,7 @@ def _push(heap, size, key, facet):
 
 @lean
 def _pop(heap, size):
-    """Pop the first entry of a heap of this size."""
+    """Remove the first entry of a heap of this size."""
     key, facet = heap[size - 1, 0], heap[size - 1, 1]
     at, under = 0, 1
     while under < size - 1:
@@ -88,7 +88,7 @@ def _pop(heap, size):
 
 @lean
 def _wait(planes, heap, waiting, far, came):
-    """Push the new facets nearer than far onto the heap; return its size."""
+    """Push the new facets that are nearer than `far` onto the heap; return its size."""
     d = planes.shape[1] - 1
     size = waiting
     for g in came:
@@ -100,7 +100,7 @@ def _wait(planes, heap, waiting, far, came):
 
 @lean
 def _rounding(cones):
-    """Return the rounding of distances of planes through wrenches."""
+    """Return the rounding error of distances of planes through wrenches."""
     largest = 1.0
     for i in range(cones.shape[0]):
         size = 0.0
@@ -112,16 +112,16 @@ def _rounding(cones):
 
 
 @lean
-def _give_up(best, count, close):
-    """Move a new point a little towards the origin."""
-    part = min(_GIVEN_UP * close, _MOST_GIVEN_UP) * (count * _GOLDEN % 1.0)
+def _shrink(best, count, close):
+    """Move a new point slightly towards the origin."""
+    part = min(_SHRINK * close, _MOST_SHRINK) * (count * _GOLDEN % 1.0)
     for c in range(best.shape[0]):
         best[c] -= part * best[c]
 
 
 @lean
 def _lower_upper(cones, plane, found, best):
-    """Lower the upper bound by the direction of a facet; write the wrench farthest along it."""
+    """Update the upper bound with the normal of a facet; write the farthest wrench along it."""
     d = cones.shape[2]
     n, p = scratch(6), scratch(6)
     for c in range(d):
@@ -135,13 +135,13 @@ def _lower_upper(cones, plane, found, best):
 
 @kernel(i8(IN3, f8, OUT2, IOUT2, OUT2, OUT2, IOUT2, OUT1))
 def grow(cones, close, points, facets, planes, heap, lists, found):
-    """Extend the hull of ``cones`` (k, 4, d) of a closed grasp until the bounds are ``close``.
+    """Extend the hull of ``cones`` (k, 4, d) of a closed grasp until bounds differ by ``close``.
 
-    ``points`` (n, d) is room for points, ``facets``, ``planes`` and ``lists`` for facets, as for
-    :func:`begin`; so many of either end it.  ``heap`` (m, 2) is room for distances of facets and
-    their numbers.  ``found`` (d + 2,) gets the lower and the upper bound, and the direction of the
-    upper one.  Returns CLOSE; else the bounds hold, but are not close: USED_UP, or SPOILT by
-    rounding.
+    ``points`` (n, d), ``facets``, ``planes`` and ``lists``, as for :func:`make_simplex`, are
+    working space, which limits the hull; so is ``heap`` (m, 2), for distances and facets.
+    ``found`` (d + 2,) receives the lower bound, the upper bound, and the direction of the latter.
+    Returns CLOSE, or, with valid but wider bounds, USED_UP if the working space is full, or SPOILT
+    by rounding errors.
     """
     d = cones.shape[2]
     best, sizes = scratch(6)[:d], scratch_integers(2)
@@ -152,7 +152,7 @@ def grow(cones, close, points, facets, planes, heap, lists, found):
     if not enclosed(cones, points, planes):
         return SPOILT
     rounding = _rounding(cones)
-    sizes[0], sizes[1] = begin(facets, planes, lists, d), 0
+    sizes[0], sizes[1] = make_simplex(facets, planes, lists, d), 0
     waiting, count = 0, d + 1
     for f in range(count):
         _push(heap, waiting, planes[f, d], f)
@@ -162,18 +162,18 @@ def grow(cones, close, points, facets, planes, heap, lists, found):
         _pop(heap, waiting)
         waiting -= 1
         if facets[f, 2 * d] != DEAD and planes[f, d] == key:
-            # No farther than the omitted facets.
+            # Omitted facets may be nearer.
             found[0] = max(found[0], min(key - rounding, found[1] - _ENOUGH * close))
             _lower_upper(cones, planes[f], found, best)
             if found[1] - found[0] <= close:
                 return CLOSE
-            _give_up(best, count, close)
+            _shrink(best, count, close)
             if not above(planes, f, best) > 1.0 + ABOVE:
                 return SPOILT
             if count == points.shape[0]:
                 return USED_UP
             points[count] = best
-            came = join(facets, planes, lists, sizes, f, count, best)
+            came = add_point(facets, planes, lists, sizes, f, count, best)
             if came == FULL or waiting + came > heap.shape[0]:
                 return USED_UP
             count += 1

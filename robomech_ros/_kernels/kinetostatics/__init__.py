@@ -1,1 +1,1 @@
-"""Indices, joint rates and singularities of a posture."""
+"""Performance indices, joint rates and singularities of a posture."""

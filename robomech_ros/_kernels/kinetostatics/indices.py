@@ -1,9 +1,9 @@
 """Performance indices of the Jacobian and their gradients, from its singular values.
 
-An index f of the k singular values s has the derivative ``sum df/ds_i u_i v_i^T`` by the Jacobian,
-with its singular vectors u and v.  The condition number by the Schatten norm of power p,
-``(sum s^p / k)^(1/p) (sum s^-p / k)^(1/p)``, is that by the weighted Frobenius norm for p = 2 and
-tends to the ratio of the largest to the least singular value for large p.
+An index f of the k singular values s has the derivative ``sum df/ds_i u_i v_i^T`` with respect to
+the Jacobian, with its singular vectors u and v.  The condition number in the Schatten norm of power
+p is ``(sum s^p / k)^(1/p) (sum s^-p / k)^(1/p)``.  For p = 2 it is that in the weighted Frobenius
+norm; for large p it tends to the ratio of the largest to the least singular value.
 """
 
 import math
@@ -20,7 +20,7 @@ from robomech_ros._kernels.chain.serial import jacobian_body
 from robomech_ros._kernels.compiling.jit import inline, kernel, lean
 from robomech_ros._kernels.compiling.types import IIN1, IN1, IN2, OUT1, OUT2, f8, i8
 
-# Columns of the answer.
+# Columns of the results.
 MANIPULABILITY = 0
 CONDITION = 1
 SCHATTEN = 2
@@ -33,7 +33,7 @@ _LINEAR = 3
 
 @lean
 def fill_weighted(J, weights, rows, W):
-    """Write these weighted rows of J, or its columns where they are fewer, and a unit."""
+    """Write weighted rows of J, transposed if there are fewer columns, and a unit matrix."""
     r, n = rows.size, J.shape[1]
     small, large = W.shape[0], W.shape[1] - W.shape[0]
     for i in range(small):
@@ -46,7 +46,7 @@ def fill_weighted(J, weights, rows, W):
 
 @lean
 def _power_means(s, low, high, power):
-    """Means of (s / s_high)^p and of (s_low / s)^p, both from 1/k to 1."""
+    """Return the means of (s / s_high)^p and of (s_low / s)^p, both from 1/k to 1."""
     up, down = 0.0, 0.0
     for value in s:
         up += (value / s[high]) ** power
@@ -56,7 +56,7 @@ def _power_means(s, low, high, power):
 
 @lean
 def _extremes(s):
-    """Return the places of the least and the largest of s."""
+    """Return the indices of the smallest and the largest entry of s."""
     low, high = 0, 0
     for i in range(s.size):
         low = i if s[i] < s[low] else low
@@ -83,7 +83,7 @@ def _evaluate(s, power, out):
 
 @lean
 def _derivatives(s, index, f, power, out):
-    """Write the derivatives of an index, of value f, by the singular values s to out."""
+    """Write the derivatives of an index with value f with respect to the singular values s."""
     low, high = _extremes(s)
     up, down = _power_means(s, low, high, power)
     for i in range(s.size):
@@ -103,9 +103,9 @@ def _derivatives(s, index, f, power, out):
 
 @lean
 def _by_jacobian(J, W, s, ds, weights, rows, G):
-    """Write the derivative by J, sum of ds u v^T, from the orthogonal rows W to G (6, n).
+    """Write the derivative G (6, n) with respect to J, sum of ds u v^T, from orthogonal rows W.
 
-    Returns that by the logarithm of the divisor of the linear rows.
+    Returns the derivative with respect to the logarithm of the divisor of the linear rows.
     """
     r, n = rows.size, G.shape[1]
     small, large = W.shape[0], W.shape[1] - W.shape[0]
@@ -126,7 +126,7 @@ def _by_jacobian(J, W, s, ds, weights, rows, G):
 
 @kernel(i8(IN2, IN2, IN1, IIN1, f8, OUT2))
 def indices(packed, q, weights, rows, power, out):
-    """Four indices of some rows of the Jacobian at q (m, n) into out (m, 4).
+    """Write four indices of some rows of the Jacobian at q (m, n) to out (m, 4).
 
     ``rows`` (r,) counts from 0; row i of the Jacobian is multiplied by ``weights[i]``.
     """
@@ -146,10 +146,10 @@ def indices(packed, q, weights, rows, power, out):
 
 @inline
 def _gradient(packed, q, J, weights, rows, power, index, spaces, value, out):
-    """Write the indices of J (6, n) at q to value (4,), the gradient of one to out (n,).
+    """Write the indices of J (6, n) at q to value (4,), and the gradient of one to out (n,).
 
-    Returns the derivative by the logarithm of the divisor of the linear rows.  ``spaces`` are
-    arrays to work with: G like J, W, and s and ds for the singular values.
+    Returns the derivative with respect to the logarithm of the divisor of the linear rows.
+    ``spaces`` from :func:`_spaces` is working space.
     """
     G, W, s, ds = spaces
     large = W.shape[1] - W.shape[0]
@@ -165,14 +165,14 @@ def _gradient(packed, q, J, weights, rows, power, index, spaces, value, out):
 
 @inline
 def _spaces(n, count):
-    """Make the arrays that :func:`_gradient` works with, for so many rows."""
+    """Return working space for :func:`_gradient` of `count` rows: G, W, s and ds."""
     small, large = min(count, n), max(count, n)
     return np.empty((6, n)), np.empty((small, small + large)), np.empty(small), np.empty(small)
 
 
 @kernel(i8(IN2, IN1, IN1, IIN1, f8, i8, OUT1))
 def index_gradient_one(packed, q, weights, rows, power, index, out):
-    """Gradient of one index at q (n,) into out (n,)."""
+    """Write the gradient of one index at q (n,) to out (n,)."""
     J = np.empty((6, q.size))
     status = jacobian_body(packed, q, J, np.empty((4, 4)))
     spaces = _spaces(q.size, rows.size)
@@ -182,12 +182,12 @@ def index_gradient_one(packed, q, weights, rows, power, index, out):
 
 @kernel(i8(IN2, IN2, IN1, IIN1, f8, i8, OUT2, OUT2))
 def index_gradients(packed, q, weights, rows, power, index, values, out):
-    """One index at q (m, n), its value in values (m, 4) and its gradient in out (m, n + 1).
+    """Write all indices at q (m, n) to values (m, 4), and the gradient of one to out (m, n + 1).
 
-    The last column is the derivative by the logarithm of the length by which ``weights`` divide the
-    linear rows.
+    The last column is the derivative with respect to the logarithm of the length by which
+    ``weights`` divide the linear rows.
 
-    The gradient is NaN or infinite where a singular value that counts is zero.
+    The gradient is NaN or infinite if a relevant singular value is zero.
     """
     n = q.shape[1]
     J, pose, spaces = np.empty((6, n)), np.empty((4, 4)), _spaces(n, rows.size)

@@ -1,7 +1,7 @@
-"""Factors of the Jacobian's determinant that have names, in one posture.
+"""Named factors of the Jacobian's determinant in one posture.
 
-All is read off the Jacobian: the axes, zero for slides, the velocities of the point that it belongs
-to, and the point of every axis that is nearest to it, as seen from there (m).
+All quantities come from the Jacobian: axes, zero for prismatic joints, velocities of its reference
+point, and the vector (m) from that to the nearest point of each axis.
 """
 
 import math
@@ -10,10 +10,10 @@ from robomech_ros._kernels.algebra.dense import cholesky_solve
 from robomech_ros._kernels.compiling.jit import inline, lean, scratch
 from robomech_ros._kernels.spatial.vectors import cross, dot, lower, upper
 
-# Named parts of an arm: none; a spherical shoulder and wrist, without or with one
-# joint between them; a spherical wrist after three joints, without or with parallel axes 2 and 3;
-# three parallel axes, alone or as joints 2 to 4 of six, with outer axes that miss each other or
-# meet; a spherical wrist alone.
+# Kinds of arms: 0 without factors; spherical shoulder and wrist, without or with one joint between
+# them; spherical wrist after three joints, without or with parallel axes 2 and 3; three parallel
+# axes, alone or as joints 2 to 4 of six, whose last two axes do not or do intersect; spherical
+# wrist alone.
 SPHERICAL_ENDS = 1
 ONE_ELBOW = 2
 ARM_AND_WRIST = 3
@@ -32,19 +32,19 @@ def _minus(a, b):
 
 @lean
 def _foot(J, i):
-    """Return the point of axis i that is nearest."""
+    """Return the vector from the reference point to the nearest point of axis i."""
     return cross(upper(J, i), lower(J, i))
 
 
 @lean
 def _volume(J, i):
-    """Return the volume that the directions of axes i, i + 1 and i + 2 span."""
+    """Return the volume spanned by the directions of axes i, i + 1 and i + 2."""
     return dot(cross(upper(J, i), upper(J, i + 1)), upper(J, i + 2))
 
 
 @lean
 def _velocity(J, i, point, size):
-    """Return the velocity that joint i gives to a point of its link; a turn's over the size."""
+    """Return the velocity of a point per rate of joint i, over the size if it is revolute."""
     x, y, z = upper(J, i)
     if x == 0.0 and y == 0.0 and z == 0.0:
         return lower(J, i)
@@ -54,14 +54,14 @@ def _velocity(J, i, point, size):
 
 @inline
 def _meeting(J, first, count):
-    """Return the point nearest to some neighbouring axes."""
+    """Return the point nearest to `count` axes from `first` on."""
     A, b = scratch(3, 3), scratch(3)
     A[:] = 0.0
     b[:] = 0.0
     for i in range(first, first + count):
         foot = _foot(J, i)
         for row in range(3):
-            # A foot is across its axis as it stands.
+            # A foot is already perpendicular to its axis.
             b[row] += foot[row]
             A[row, row] += 1.0
             for column in range(3):
@@ -72,10 +72,10 @@ def _meeting(J, first, count):
 
 @inline
 def named_factors(J, parts, size, out):
-    """Write the factors of J (6, n) to out, dimensionless, in the order of their names.
+    """Write the dimensionless factors of J (6, n) to out in the order of their names.
 
-    ``parts`` (6,) is the kind; the first joint of the shoulder, counted from 0; that of the wrist;
-    and three with parallel axes.  ``size`` is that of the arm (m).
+    ``parts`` (6,) is the kind, the first joint of the shoulder, that of the wrist, and three joints
+    with parallel axes, all from 0.  ``size`` is that of the arm (m).
     """
     kind = parts[0]
     if kind == SPHERICAL_ENDS or kind == ONE_ELBOW:
@@ -90,7 +90,7 @@ def named_factors(J, parts, size, out):
 
 @inline
 def _spherical_ends(J, kind, first, last, size, out):
-    """Shoulder, perhaps elbow, and wrist."""
+    """Write the factors of shoulder, elbow if there is one, and wrist."""
     out[0] = _volume(J, first)
     if kind == SPHERICAL_ENDS:
         out[1] = _volume(J, last)
@@ -104,7 +104,7 @@ def _spherical_ends(J, kind, first, last, size, out):
 
 @inline
 def _decoupled(J, kind, last, size, out):
-    """Arm, or shoulder and elbow, and wrist."""
+    """Write the factors of arm, or shoulder and elbow, and of the wrist."""
     centre = _meeting(J, last, 3)
     one = _velocity(J, 0, centre, size)
     two = _velocity(J, 1, centre, size)
@@ -121,7 +121,7 @@ def _decoupled(J, kind, last, size, out):
 
 @inline
 def _parallel(J, parts, size, out):
-    """Elbow, of six joints also the wrist, and the shoulder where axes 5 and 6 meet."""
+    """Write the factors of elbow, wrist if there are six joints, and shoulder if axes 5, 6 meet."""
     kind = parts[0]
     axis = upper(J, parts[3])
     start = _foot(J, parts[3])

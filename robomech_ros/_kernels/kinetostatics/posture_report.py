@@ -1,6 +1,6 @@
-"""Report on a posture's Jacobian: singular values, lost and free directions, factors.
+"""Report on the Jacobian of a posture: singular values, lost and free directions, factors.
 
-The Jacobian is that of a point of the tip link; its linear rows are divided by a length.
+The Jacobian is that of a point of the tip link, with linear rows divided by a length.
 """
 
 import math
@@ -20,18 +20,18 @@ from robomech_ros._kernels.kinetostatics.indices import fill_weighted
 from robomech_ros._kernels.kinetostatics.posture_factors import MOST_FACTORS, named_factors
 from robomech_ros._kernels.tolerances import RANK
 
-# A named factor of the determinant below this is zero in a posture that is singular.
+# A factor of the determinant below this counts as zero in a singular posture.
 FACTOR_ZERO = 1e-4
 
-# Places of the numbers: manipulability and condition number in SI units, the latter again with
-# lengths over the length, the factors, and how much each joint moves while the tip does not.
+# Indices of numbers: first manipulability and condition number in SI units, and the latter with
+# lengths over the length; then the factors, and the self-motion of each joint.
 FACTORS = 3
 MOVING = FACTORS + MOST_FACTORS
 
 
 @lean
 def _in_order(s, order):
-    """Write the places of s, largest first, to order."""
+    """Write the indices that sort s in descending order."""
     for i in range(s.size):
         k = i
         while k > 0 and s[order[k - 1]] < s[i]:
@@ -42,7 +42,7 @@ def _in_order(s, order):
 
 @lean
 def _subtract(A, i, B, k):
-    """Take from row i of A what it has of row k of B, which has norm 1."""
+    """Subtract from row i of A its projection on row k of B, which has norm 1."""
     product = 0.0
     for j in range(A.shape[1]):
         product += A[i, j] * B[k, j]
@@ -61,9 +61,9 @@ def _length(A, i):
 
 @lean
 def _extend(basis, count, candidates, tolerance):
-    """Add orthonormal rows for the span of candidates outside the first `count` rows of basis.
+    """Extend the first `count` orthonormal rows of basis by the span of candidates.
 
-    The candidates (k, c) are overwritten.  Returns how many rows there are now.
+    The candidates (k, c) are overwritten.  Returns the new number of rows.
     """
     for i in range(candidates.shape[0]):
         for k in range(count):
@@ -79,7 +79,7 @@ def _extend(basis, count, candidates, tolerance):
         for j in range(basis.shape[1]):
             basis[count, j] = candidates[best, j] / longest
         for k in range(count):
-            # Residuals of rounding.
+            # Remove rounding errors.
             _subtract(basis, count, basis, k)
         length = _length(basis, count)
         for j in range(basis.shape[1]):
@@ -99,7 +99,7 @@ def _complete(basis, count):
 
 @inline
 def _decompose(W, s, left, right, values):
-    """Write singular values and the vectors of those that count; return how many these are."""
+    """Write singular values, and singular vectors of those above zero; return the rank."""
     small, six = W.shape[0], 6
     n = right.shape[0]
     order = np.empty(small, dtype=np.int64)
@@ -122,9 +122,9 @@ def _decompose(W, s, left, right, values):
 
 @inline
 def _lost(left, rank, motions, weights, lost):
-    """Write what the arm can do elsewhere and not here to lost (6, 6); return how many twists.
+    """Write twists possible in other postures only, of weighted norm 1, to lost (6, 6).
 
-    Their weighted norm is 1.
+    Returns their number.
     """
     basis = left.copy()
     candidates = motions * weights
@@ -140,7 +140,7 @@ def _lost(left, rank, motions, weights, lost):
 
 @lean
 def _moving(free, rank, out):
-    """Write how much each joint (n,) moves at most in the rows of free (n, n) from `rank` on."""
+    """Write the largest move of each joint (n,) in the rows of free (n, n) from `rank` on."""
     for k in range(free.shape[1]):
         out[k] = 0.0
         for i in range(rank, free.shape[0]):
@@ -149,10 +149,9 @@ def _moving(free, rank, out):
 
 @inline
 def _judge(s, order, regular):
-    """Return product and condition number of the largest singular values that an arm has at all.
+    """Return product and condition number of the `regular` largest singular values.
 
-    All of s where it has that many; else, as of a planar arm of four joints, the rest is 0 in every
-    posture.
+    The others are 0 in every posture, as for a planar arm of four joints.
     """
     _in_order(s, order)
     kept = np.empty(min(s.size, regular))
@@ -165,7 +164,7 @@ def _judge(s, order, regular):
 
 @inline
 def _report(J, pose, place, parts, motions, regular, values, numbers, lost, idle, free):
-    """Write what the Jacobian J (6, n) says; return the rank and how many twists are lost."""
+    """Write the report on the Jacobian J (6, n); return rank and number of lost twists."""
     n, length = J.shape[1], place[3]
     move_jacobian(J, pose, place[:3])
     small, large = min(6, n), max(6, n)
@@ -199,15 +198,14 @@ def _report(J, pose, place, parts, motions, regular, values, numbers, lost, idle
 def posture_reports(
     packed, q, place, parts, motions, regular, values, numbers, twists, free, counts
 ):
-    """Report on postures q (m, n); returned is the status.
+    """Write reports on postures q (m, n); return the status.
 
-    ``place`` (5,) is the point, the length that linear rows are divided by, and the size of
-    ``named_factors``, whose ``parts`` follow; ``motions`` (r, 6) spans all twists of the arm,
-    ``regular`` is the largest rank it has.  Written are, for each posture, singular values
-    (min(6, n),); numbers (MOVING + n,); the twists that are lost in the first rows of twists[k, 0]
-    (6, 6); from row ``rank`` on the wrenches that load no joint, in twists[k, 1] (6, 6), and the
-    joint rates that do not move the tip, in free (n, n); and the rank and how many twists are lost
-    in counts (2,).
+    ``place`` (5,) is the point, the length that divides linear rows, and the size for
+    :func:`named_factors`, which also has ``parts``.  ``motions`` (r, 6) spans all twists of the
+    arm; ``regular`` is its largest rank.  Results of posture k are singular ``values``
+    (min(6, n),); ``numbers`` (MOVING + n,); lost twists in the first rows of twists[k, 0] (6, 6);
+    from row ``rank`` on, wrenches that load no joint in twists[k, 1] (6, 6), and joint rates that
+    do not move the tip in ``free`` (n, n); rank and number of lost twists in ``counts`` (2,).
     """
     n = q.shape[1]
     J, pose = np.empty((6, n)), np.empty((4, 4))

@@ -1,10 +1,10 @@
-"""Joint rates that move a point of the tip link at a given twist.
+"""Joint rates that move the tip link with a given twist of one of its points.
 
-An arm of six joints gets them by elimination, one with a spherical wrist in two systems of three:
-the velocity of the wrist centre gives the rates of the arm, what its turning leaves of the angular
-velocity gives those of the wrist.  The determinant comes with them, and bounds the least singular
-value from below.  If the bound does not exclude a singularity, and for all other arms, singular
-values give the rates of least norm, or of least error of the twist.
+For six joints they come from elimination, with a spherical wrist in two systems of three: the
+velocity of the wrist centre gives the rates of the arm, and the remaining angular velocity those of
+the wrist.  The determinant bounds the least singular value from below.  If this bound does not
+exclude a singularity, and for all other arms, singular values give the rates of least norm, or of
+least error of the twist.
 
 References
 ----------
@@ -36,13 +36,13 @@ from robomech_ros._kernels.tolerances import RANK
 
 @lean
 def _move(J, i, r):
-    """Return the velocity that joint i causes at the lever r from where J is taken."""
+    """Return the velocity caused by joint i at the vector r from the reference point of J."""
     return combined(lower(J, i), cross(upper(J, i), r), 1.0)
 
 
 @lean
 def _reciprocal(a, b, c, d, x, first):
-    """Solve [a b c] x = d into x from its entry `first` on; returns the determinant."""
+    """Write the solution of [a b c] x = d to x from entry `first` on; return the determinant."""
     determinant, found = cramer(a, b, c, d)
     if determinant != 0.0:
         x[first], x[first + 1], x[first + 2] = scaled(found, 1.0 / determinant)
@@ -51,7 +51,7 @@ def _reciprocal(a, b, c, d, x, first):
 
 @lean
 def _through_wrist(J, r, b, x):
-    """Solve J x = b for an arm whose last three axes meet at the lever r; gives the determinant."""
+    """Solve J x = b for an arm whose last three axes meet at the vector r; return det J."""
     centre = combined((b[3], b[4], b[5]), cross(b, r), 1.0)
     arm = _reciprocal(_move(J, 0, r), _move(J, 1, r), _move(J, 2, r), centre, x, 0)
     if arm == 0.0:
@@ -62,7 +62,7 @@ def _through_wrist(J, r, b, x):
 
 @lean
 def _eliminated(J, b, x):
-    """Solve J x = b, 6 x 6, by elimination with partial pivoting; gives the determinant."""
+    """Solve J x = b, 6 x 6, by elimination with partial pivoting; return det J."""
     A, order = scratch(6, 6), scratch_integers(6)
     for i in range(6):
         x[i] = b[i]
@@ -79,9 +79,9 @@ def _eliminated(J, b, x):
 
 @lean
 def _is_regular(J, determinant, length, damping):
-    """Return whether the least singular value is certainly above what is damped or is zero.
+    """Return whether the least singular value is proved to be neither damped nor zero.
 
-    The product of the five others is at most their mean square to the power of 5/2.
+    The product of the other five is at most their mean square to the power of 5/2.
     """
     square = 0.0
     for k in range(6):
@@ -93,7 +93,7 @@ def _is_regular(J, determinant, length, damping):
 
 @inline
 def _by_singular_values(J, b, length, damping, W, x):
-    """Solve J x = b by singular values, those below `damping` and those of zero filtered.
+    """Solve J x = b by singular values; damp those below `damping` and ignore zeros.
 
     W (k, 6 + n), k the smaller of 6 and n, is working space.
     """
@@ -134,7 +134,7 @@ def _by_singular_values(J, b, length, damping, W, x):
 
 @inline
 def _rates(J, b, r, spherical, length, damping, W, x):
-    """Solve J x = b the cheapest way that is safe."""
+    """Solve J x = b by the fastest method that is accurate."""
     if J.shape[1] == 6:
         determinant = _through_wrist(J, r, b, x) if spherical else _eliminated(J, b, x)
         if _is_regular(J, determinant, length, damping):
@@ -144,10 +144,11 @@ def _rates(J, b, r, spherical, length, damping, W, x):
 
 @kernel(i8(IN2, i8, IN1, IN1, f8, f8, IN2, IN2, IN2, OUT2))
 def joint_rates(packed, spherical, wrist, point, length, damping, q, twist, secondary, out):
-    """Joint rates for q (m, n) and twists (m, 6) of a point, in base axes, into out (m, n).
+    """Write joint rates for q (m, n) and twists (m, 6) of a point, in base axes, to out (m, n).
 
-    ``wrist`` is where the last three axes meet in the tip frame, if they do; ``point`` that whose
-    twist is meant.  What ``secondary`` (m, n), or (0, n) for none, does to the tip is taken back.
+    In the tip frame, ``wrist`` is the intersection of the last three axes, if they meet, and
+    ``point`` the point with the twist.  Rates ``secondary`` (m, n), or (0, n) for none, are added
+    and their effect on the tip compensated.
     """
     n = q.shape[1]
     small, large = min(6, n), max(6, n)

@@ -1,1 +1,1 @@
-"""Several chains that carry one platform: their loops closed, their rates and accelerations."""
+"""Chains that carry one platform: loop closure, rates, accelerations and dynamics."""

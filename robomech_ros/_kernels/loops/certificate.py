@@ -1,18 +1,18 @@
 """Proof that a step of closed loops passes no singularity, and so stays in its assembly mode.
 
-The unknowns are the passive joints and a twist tau, the same for all limbs; the conditions of limb
-i, ``f_i = P(T_i(q_i)) - tau`` with ``P(T) = [vect(R R_0'); p]``, hold where the poses T_i of the
-ends of all limbs are one.  The step begins along a straight line; M is the Jacobian of f at the end
-of that, R_0 the rotation of the first limb there, and M+ a left inverse of M.  By limbs, the rates
-of passive joints for twists d_i are ``H_i (t - d_i)`` with ``t = sum of G_i d_i``.
+The unknowns are the passive joints and a twist tau, the same for all limbs.  The conditions of limb
+i are ``f_i = P(T_i(q_i)) - tau = 0`` with ``P(T) = [vect(R R_0'); p]``: the poses T_i of the ends
+of all limbs are equal.  The step starts along a straight line.  At its end, M is the Jacobian of f,
+R_0 the rotation of the first limb, and M+ a left inverse of M.  The rates of the passive joints of
+limb i for twists d_i are ``H_i (t - d_i)`` with ``t = sum of G_i d_i``.
 
-From any place of the line ``x -> x - M+ f(x)`` contracts within r, in the maximum norm, if
-``|M+ f| <= (1 - k - b r) r``, k a bound of ``|M+ (f' - M)|`` along the line and b of ``|M+ f''|``.
-There is such an r if ``k + sqrt(4 b e) <= 1``, e a bound of ``|M+ f|``.  Then one solution goes
-with the drives from the start of the step to its end, and f' is regular all the way.
+From any point of the line ``x -> x - M+ f(x)`` contracts within r, in the maximum norm, if
+``|M+ f| <= (1 - k - b r) r``, with bounds k of ``|M+ (f' - M)|`` along the line and b of
+``|M+ f''|``.  Such an r exists if ``k + sqrt(4 b e) <= 1`` with a bound e of ``|M+ f|``.  Then one
+solution follows the drives from the start of the step to its end, and f' is regular throughout.
 
-Derivatives of P(T_i) by joints of limb i, of any order, are at most 1 in the angular part, and at
-most the reach of the limb in the other one; lengths are scaled.
+Derivatives of P(T_i) of any order for joints of limb i are at most 1 in the angular part, and at
+most the reach of the limb in the linear part; lengths are scaled.
 """
 
 import math
@@ -23,18 +23,17 @@ import numpy as np
 from robomech_ros._kernels.compiling.jit import inline, lean, scratch
 from robomech_ros._kernels.loops.factors import REGULAR, left_inverse, passive_count, widest
 
-# G (limbs, 6, 6) and H (limbs, w, 6); what finding them needs; of each limb the sums of |t| for the
-# changes of its columns of M (limbs, 6), and of all its rows (limbs, w); bounds of d_i (limbs, 5).
+# G (limbs, 6, 6) and H (limbs, w, 6); S is working space; for each limb the sums of |t| over the
+# changes of its columns of M (limbs, 6), the sums of its rows (limbs, w), and bounds (limbs, 5).
 Inverse = namedtuple("Inverse", ("G", "H", "S", "sums", "rows", "bounds"))
-# Of M+ (f' - M) and of M+ f between places where they are known; of
-# second derivatives times M+, as norms give them, and of the change of these along the line and
-# with r.
+# Bounds of d_i for f' - M and for f between the points where these are known, for second
+# derivatives by norms, and for the changes of second derivatives along the line and with r.
 _CHORD, _BEND, _TWICE, _THRICE, _WIDE = 0, 1, 2, 3, 4
 
 
 @inline
 def room_for_inverse(starts):
-    """Make room for the inverse of a posture."""
+    """Return working space for the inverse of a posture."""
     limbs, n = starts.size - 1, widest(starts)
     return Inverse(
         np.empty((limbs, 6, 6)),
@@ -48,7 +47,7 @@ def room_for_inverse(starts):
 
 @lean
 def invert(chains, found, inverse):
-    """Write G and H of the factors of a posture; return a status."""
+    """Write G and H from the factors of a posture; return a status."""
     limbs, S = chains.starts.size - 1, inverse.S
     status = left_inverse(chains, found, S)
     if status != REGULAR:
@@ -75,7 +74,7 @@ def invert(chains, found, inverse):
 
 @lean
 def passive_moves(chains, inverse, D, qd):
-    """Write the passive moves that close the loops for twists D (limbs, 6, 1), drives fixed."""
+    """Write the passive moves that close loop errors D (limbs, 6, 1) with fixed drives."""
     t = scratch(6)
     limbs = chains.starts.size - 1
     for r in range(6):
@@ -97,7 +96,7 @@ def passive_moves(chains, inverse, D, qd):
 
 @lean
 def _change(first, second, i, j, weight, d):
-    """Write the change (6,) of column j of limb i of f', from the end of the line to its start."""
+    """Write the change (6,) of column j of f' of limb i, from the end of the line to its start."""
     half = 0.0
     for r in range(3):
         w = 0.0
@@ -118,7 +117,7 @@ def _change(first, second, i, j, weight, d):
 
 
 @lean
-def _forget(inverse, i):
+def _clear_sums(inverse, i):
     """Clear the sums of one limb."""
     for r in range(6):
         inverse.sums[i, r] = 0.0
@@ -127,8 +126,8 @@ def _forget(inverse, i):
 
 
 @lean
-def _add(chains, weights, inverse, i, d):
-    """Add the effect of M+ on a twist d (6,) of one limb, for itself and for others."""
+def _add_twist(chains, weights, inverse, i, d):
+    """Add M+ times a twist d (6,) of one limb to its sums, for itself and for other limbs."""
     t = scratch(6)
     G, H, sums, rows = inverse.G[i], inverse.H[i], inverse.sums[i], inverse.rows[i]
     for r in range(6):
@@ -149,21 +148,21 @@ def _add(chains, weights, inverse, i, d):
 
 @lean
 def _change_of_limb(chains, weights, first, second, inverse, i):
-    """Add the effect of M+ on the changes of all columns of one limb."""
+    """Sum M+ times the changes of all columns of one limb."""
     d = scratch(6)
-    _forget(inverse, i)
+    _clear_sums(inverse, i)
     s = chains.starts[i]
     for j in range(s, chains.starts[i + 1]):
         if chains.drives[j] < 0:
             _change(first, second, i, j - s, weights[j], d)
-            _add(chains, weights, inverse, i, d)
+            _add_twist(chains, weights, inverse, i, d)
 
 
 @lean
 def _bend_of_limb(chains, weights, second, inverse, i):
-    """Add the effect of M+ on all second derivatives of f of one limb."""
+    """Sum M+ times all second derivatives of f of one limb."""
     d, J = scratch(6), second.J[i]
-    _forget(inverse, i)
+    _clear_sums(inverse, i)
     s, e = chains.starts[i], chains.starts[i + 1]
     for j in range(s, e):
         for m in range(j, e):
@@ -176,12 +175,12 @@ def _bend_of_limb(chains, weights, second, inverse, i):
                 d[r] *= 0.5 * unit
                 d[3 + r] = J[x, j - s] * J[3 + y, m - s] - J[y, j - s] * J[3 + x, m - s]
                 d[3 + r] *= unit
-            _add(chains, weights, inverse, i, d)
+            _add_twist(chains, weights, inverse, i, d)
 
 
 @lean
 def _write_bounds(chains, weights, v, D, inverse, i):
-    """Write bounds of f of limb i between known points, and of its change and that of M."""
+    """Write the five bounds of limb i, _CHORD to _WIDE."""
     path, count = 0.0, 0.0
     for j in range(chains.starts[i], chains.starts[i + 1]):
         path += abs(v[j, 0]) * weights[j]
@@ -192,7 +191,7 @@ def _write_bounds(chains, weights, v, D, inverse, i):
         open_end += abs(D[i, r, 0]) * (chains.scale if r > 2 else 1.0)
     bounds = inverse.bounds[i]
     bounds[_CHORD] = count * (path * path / 8.0 + open_end)
-    # At the start f is known, and f' along the line; at its end f: t^2 (1 - t) / 6 is left.
+    # f and its slope along the line are known at the start, and f at the end: t^2 (1 - t) / 6.
     bounds[_BEND] = path * path * path / 40.0
     bounds[_TWICE] = count * count
     bounds[_THRICE] = count * count * (path + open_end)
@@ -200,8 +199,8 @@ def _write_bounds(chains, weights, v, D, inverse, i):
 
 
 @lean
-def _worst(chains, weights, reach, inverse, which):
-    """Bound the moves of joints that M+ gives for twists d_i bounded in their two parts."""
+def _bound_moves(chains, weights, reach, inverse, which):
+    """Return a bound of the joint moves that M+ gives for twists d_i within a bound."""
     t = scratch(6)
     limbs = chains.starts.size - 1
     for r in range(6):
@@ -230,7 +229,7 @@ def _worst(chains, weights, reach, inverse, which):
 
 @lean
 def _largest_sum(chains, weights, inverse):
-    """Bound the norm of M+ times the sums of all limbs."""
+    """Return a bound of the norm of M+ times the changes summed for all limbs."""
     limbs, largest = chains.starts.size - 1, 0.0
     for i in range(limbs):
         k = 0
@@ -251,10 +250,10 @@ def _largest_sum(chains, weights, inverse):
 
 @lean
 def part_of_proof(chains, weights, reach, room, size):
-    """Return ``k + sqrt(4 b e)`` of a step: at most 1 if it is proved, about as its length.
+    """Return ``k + sqrt(4 b e)`` of a step: at most 1 if it is proved, about linear in its length.
 
-    The room has factors at both ends of the line v (n, 1), the inverse at its end, and the errors D
-    (limbs, 6, 1) of loops there; ``size`` is the largest of the moves that M+ gives for those at
+    ``room`` has the factors at both ends of the line v (n, 1), the inverse at its end, and the loop
+    errors D (limbs, 6, 1) there; ``size`` is the largest move that M+ gives for loop errors at
     both ends.
     """
     limbs, inverse, v, D = chains.starts.size - 1, room.inverse, room.v, room.D
@@ -263,16 +262,16 @@ def part_of_proof(chains, weights, reach, room, size):
         _change_of_limb(chains, weights, first, second, inverse, i)
         _write_bounds(chains, weights, v, D, inverse, i)
     k = _largest_sum(chains, weights, inverse)
-    k += _worst(chains, weights, reach, inverse, _CHORD)
-    e = size + _worst(chains, weights, reach, inverse, _BEND)
-    b = _worst(chains, weights, reach, inverse, _TWICE)
+    k += _bound_moves(chains, weights, reach, inverse, _CHORD)
+    e = size + _bound_moves(chains, weights, reach, inverse, _BEND)
+    b = _bound_moves(chains, weights, reach, inverse, _TWICE)
     part = k + math.sqrt(4.0 * b * e)
     if part <= 1.0 or not k < 1.0:
         return part
-    # The derivatives at the end of the line, which take longer.
+    # Second derivatives at the end of the line give a smaller bound, but take longer.
     for i in range(limbs):
         _bend_of_limb(chains, weights, second, inverse, i)
     b = _largest_sum(chains, weights, inverse)
-    b += _worst(chains, weights, reach, inverse, _THRICE)
-    b += _worst(chains, weights, reach, inverse, _WIDE) * 2.0 * e / (1.0 - k)
+    b += _bound_moves(chains, weights, reach, inverse, _THRICE)
+    b += _bound_moves(chains, weights, reach, inverse, _WIDE) * 2.0 * e / (1.0 - k)
     return min(part, k + math.sqrt(4.0 * b * e))

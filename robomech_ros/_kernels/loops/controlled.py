@@ -1,12 +1,11 @@
-"""Chains that carry one platform under a controller of their drives, in fixed steps of time.
+"""Simulation of chains that carry one platform, under a controller of their drives.
 
-As :mod:`..dynamics.controlled_chain`, over the drives: with the complement N of the loops, new
-rates v of the drives come from the generalised inertia ``N' M N`` and the efforts of gravity and
-motion, with dry friction and stops of the drives settled for each step.  Friction of passive joints
-is taken at the new rates, too, where dry friction c at a rate r brakes as if it were viscous with
-``c / |r|``: it takes what it should while they move, and lets them creep at rest.  Loops are closed
-after each step from the posture before, so that the assembly mode is never left: a step that would
-is not done.
+It is like :mod:`..dynamics.controlled_chain`, but over the drives: with the complement N of the
+loops, new rates of the drives come from the generalised inertia ``N' M N`` and the efforts of
+gravity and motion, with dry friction and stops of the drives.  Friction of passive joints is
+implicit, too: dry friction c at the last rate r acts as viscous friction ``c / |r|``, which is
+exact while they move, and lets them creep at rest.  After each step, loops are closed from the last
+posture; a step that would leave the assembly mode is not done.
 """
 
 import math
@@ -36,7 +35,7 @@ _call_close = linked(close)
 _CREEP = 1e-4
 
 # For all joints: rates, accelerations without and with those of the drives, torques, a posture,
-# zeros.  For the drives: inertia, damping of their rates, torques asked and explained, and more.
+# zeros.  For the drives: equations of the rates, efforts of the controller and its model, and more.
 Work = namedtuple(
     "Work",
     "qd drift qdd tau trial none M P A b dry low high v asked effort explained before target"
@@ -72,8 +71,8 @@ def _work_for(n, m, widest):
 
 
 @lean
-def _shape(chains, q, rates, room, work):
-    """Write the complement N, the rates of all joints, and their accelerations ``dN/dt u``."""
+def _update_rates(chains, q, rates, room, work):
+    """Write the complement N, the rates of all joints, and accelerations ``dN/dt u``."""
     status = write_complement(chains, q, room)
     if status != REGULAR:
         return status
@@ -84,12 +83,12 @@ def _shape(chains, q, rates, room, work):
 
 
 @lean
-def _explained(chains, q, gains, around, room, work, out):
-    """Write the efforts (m,) for accelerations of the drives (m,); return a status."""
+def _model_efforts(chains, q, qdd, around, room, work, out):
+    """Write the efforts (m,) of a model for accelerations of the drives (m,); return a status."""
     for j in range(q.size):
         total = work.drift[j]
-        for a in range(gains.size):
-            total += room.N[j, a] * gains[a]
+        for a in range(qdd.size):
+            total += room.N[j, a] * qdd[a]
         work.qdd[j] = total
     free, N = work.free, room.N
     return write_efforts(chains, q, work.qd, work.qdd, around, free, N, work.tau, out)
@@ -99,7 +98,7 @@ def _explained(chains, q, gains, around, room, work, out):
 def _add_friction(friction, N, rates, before, sign, out):
     """Add the friction of all joints at rates of the drives (m,), times a sign, to out (m,).
 
-    Dry friction is that of the rates before.
+    The magnitude of dry friction is that at the rates `before`.
     """
     for j in range(N.shape[0]):
         rate, was = 0.0, 0.0
@@ -115,7 +114,7 @@ def _add_friction(friction, N, rates, before, sign, out):
 
 @lean
 def _command(chains, tables, mode, around, q, rates, wanted, room, work):
-    """Write the efforts (m,) that the controller asks for; wanted is (3, m)."""
+    """Write the efforts (m,) of the controller; wanted is [position, rate, acceleration] (3, m)."""
     for j in range(q.size):
         a = chains.drives[j]
         if a >= 0:
@@ -124,7 +123,7 @@ def _command(chains, tables, mode, around, q, rates, wanted, room, work):
             if mode == COMPUTED_TORQUE:
                 work.asked[a] += wanted[2, a]
     if mode == COMPUTED_TORQUE:
-        status = _explained(chains, q, work.asked, around, room, work, work.effort)
+        status = _model_efforts(chains, q, work.asked, around, room, work, work.effort)
     else:
         none, free, N, effort = work.none, work.free, room.N, work.effort
         status = write_efforts(chains, q, none, none, around, free, N, work.tau, effort)
@@ -136,9 +135,9 @@ def _command(chains, tables, mode, around, q, rates, wanted, room, work):
 
 @lean
 def _set_up(chains, tables, around, step, q, rates, room, work):
-    """Set up the equations of the rates at the end of a step; return a status."""
+    """Write the equations for the rates at the end of a step; return a status."""
     m = rates.size
-    status = _explained(chains, q, work.none[:m], around, room, work, work.explained)
+    status = _model_efforts(chains, q, work.none[:m], around, room, work, work.explained)
     status |= write_inertia(chains, q, room.N, work.M, work.P, work.A)
     for a in range(m):
         value = step * (work.effort[a] - work.explained[a])
@@ -164,15 +163,15 @@ def _set_up(chains, tables, around, step, q, rates, room, work):
 
 @lean
 def _observe(chains, tables, around, share, period, state, room, work):
-    """Learn a fraction of the unexplained efforts of the period from `before`.
+    """Add a share of the efforts that the model does not explain to the observed ones.
 
-    ``state`` has the rates at its end and what has been learned (2, m); the room and the posture
-    (`trial`) are those at its beginning.
+    ``state`` (2, m) has the rates at the end of the period, and the observed efforts.  ``room`` and
+    the posture ``work.trial`` are those at its start.
     """
     rates, seen = state[0], state[1]
     for a in range(rates.size):
         work.asked[a] = (rates[a] - work.before[a]) / period
-    status = _explained(chains, work.trial, work.asked, around, room, work, work.explained)
+    status = _model_efforts(chains, work.trial, work.asked, around, room, work, work.explained)
     _add_friction(tables[:4], room.N, rates, work.before, 1.0, work.explained)
     for j in range(chains.drives.size):
         a = chains.drives[j]
@@ -187,7 +186,7 @@ def _observe(chains, tables, around, share, period, state, room, work):
 
 @inline
 def _move(chains, weights, step, q, rates, work):
-    """Solve for the rates and move by one step, unless the returned status is not 0."""
+    """Solve for the rates and move by one step; if the status is not 0, nothing changes."""
     if not settled_rates(work.A, work.b, work.dry, work.low, work.high, work.v, rates.size):
         return RUNS_AWAY
     work.trial[:] = q
@@ -204,8 +203,8 @@ def _move(chains, weights, step, q, rates, work):
 
 
 @lean
-def _slack(tables, drives, q, work):
-    """Write the remaining travel of drives to both sides."""
+def _remaining_travel(tables, drives, q, work):
+    """Write the remaining travel of drives to both stops."""
     for j in range(drives.size):
         a = drives[j]
         if a >= 0:
@@ -218,20 +217,20 @@ def servo_steps(
 ):
     """Simulate a controller of the m drives along a desired motion; return a status.
 
-    ``packed``, ``starts``, ``drives`` and ``weights`` are as for :func:`.closing.close`,
-    ``models`` (2, n + limbs, 24) the chains that move, and those that the controller knows, as for
-    :mod:`.dynamics`.  ``tables`` (2, 7, n) have, of the chains that move and of the controller,
-    the friction of all joints in the first four rows, as for ``controlled_chain``; then least and
-    largest values of the joints that move; gains of errors and of rates, and the largest efforts,
-    of those with drives.  ``how`` (5,) has the scale of :mod:`.factors`, the mode and the share of
-    ``controlled_chain``, the period (s) and the number of steps of it; ``around`` (15,) is as
-    ``dynamics.layout`` says.
+    ``packed``, ``starts``, ``drives`` and ``weights`` are as for :func:`.loop_closure.close`.
+    ``models`` (2, n + limbs, 24) are the simulated chains and the controller's model of them, as
+    for :mod:`.dynamics`.  ``tables`` (2, 7, n) belong to the simulated chains and to the
+    controller.  The first four rows are the friction of all joints, as for ``controlled_chain``;
+    then, of the former, smallest and largest positions; of the latter, gains of errors and of
+    rates, and largest efforts.  ``how`` (5,) has the scale of :mod:`.factors`, the mode and the
+    share of ``controlled_chain``, the period (s) and its number of steps.  For ``around`` (15,)
+    see ``dynamics.layout``.
 
-    ``wanted`` (k, 3, m) are values, rates and accelerations of the drives at the beginning of each
-    period.  The ``state`` (n + 2 m,), values of all joints, rates of the drives, and efforts that
-    have been learned, is brought to the end; where the status is not 0, to the last good state.
-    ``out`` (k, n + 2 m) gets values and rates at the end of each period, and the efforts in it,
-    and ``report`` (1,) how many periods were done.
+    ``wanted`` (k, 3, m) are positions, rates and accelerations of the drives at the start of each
+    period.  The ``state`` (n + 2 m,), positions of all joints, rates and observed efforts of the
+    drives, is advanced to the end; if the status is not 0, to the last valid state.  ``out``
+    (k, n + 2 m) receives positions and rates at the end of each period, and its efforts, and
+    ``report`` (1,) the number of periods.
     """
     n, m, scale, share, period = drives.size, wanted.shape[2], how[0], how[2], how[3]
     mode, substeps = int(how[1]), int(how[4])
@@ -246,7 +245,7 @@ def servo_steps(
     began = np.empty(n)
     for k in range(wanted.shape[0]):
         report[0] = k
-        status = _shape(plant, q, rates, room, work)
+        status = _update_rates(plant, q, rates, room, work)
         if status == REGULAR:
             status = _command(model, known, mode, around, q, rates, wanted[k], room, work)
         if status != REGULAR:
@@ -259,7 +258,7 @@ def servo_steps(
                 work.effort[a] = min(max(work.effort[a] + both[1, a], -limit), limit)
         for substep in range(substeps):
             if substep > 0:
-                status = _shape(plant, q, rates, room, work)
+                status = _update_rates(plant, q, rates, room, work)
             if status == REGULAR:
                 status = _set_up(plant, joints, around, step, q, rates, room, work)
             if status == REGULAR:
@@ -267,9 +266,9 @@ def servo_steps(
             if status != REGULAR:
                 return status
         if share > 0.0:
-            _slack(joints, drives, q, work)
+            _remaining_travel(joints, drives, q, work)
             if substeps > 1:
-                status = _shape(plant, began, work.before, room, work)
+                status = _update_rates(plant, began, work.before, room, work)
             work.trial[:] = began
             if status == REGULAR:
                 status = _observe(model, known, around, share, period, both, room, work)

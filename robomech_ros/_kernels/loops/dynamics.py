@@ -1,15 +1,13 @@
 """Dynamics of chains that carry one platform, by the natural orthogonal complement of their loops.
 
-The rates of all joints of the open chains are ``N u``, u those of the drives.  So what the chains
-take by themselves, torques by Newton and Euler and mass matrices M of one chain each, gives the
-efforts ``N' tau`` and the generalised inertia ``N' M N`` of the whole; the platform is the last
-body of the first chain.  Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section
-12.4.
+The rates of all joints of the open chains are ``N u`` with the rates u of the drives.  So torques
+tau by Newton and Euler and mass matrices M of the single chains give the efforts ``N' tau`` and the
+generalised inertia ``N' M N`` of the mechanism; the platform is the last body of the first chain.
+Angeles, Fundamentals of Robotic Mechanical Systems, 4th ed., section 12.4.
 
-``model`` has the chains one after another, n_i + 1 rows each, as ``dynamics.layout`` says;
-``starts``, ``drives`` and ``scale`` are those of :mod:`.factors`, and so is the status, or one of
-those below.
-The surroundings have one row for all states or one for each; the wrench is on the platform.
+``model`` has the chains one after another, n_i + 1 rows each, in the layout of ``dynamics.layout``.
+``starts``, ``drives``, ``scale`` and status are those of :mod:`.factors`; further statuses are
+below.  ``around`` has one row for all states or one for each; the wrench is on the platform.
 """
 
 import math
@@ -34,7 +32,7 @@ from robomech_ros._kernels.loops.factors import (
     widest,
 )
 
-# Nothing resists some motion; loops are open by more than this (rad, m over the size).
+# Statuses: a motion has no inertia; loops are open by more than _OPEN (rad, m over the size).
 NO_MASS, OPEN = 4, 5
 _OPEN = 1e-6
 
@@ -58,7 +56,7 @@ def room_for(starts, dof):
 
 @lean
 def write_complement(chains, q, room):
-    """Write the complement N (n, m) of the loops to the room; return a status."""
+    """Write the complement N (n, m) of the loops to ``room.N``; return a status."""
     status = factors(chains, q, room.found)
     if status != REGULAR:
         return status
@@ -83,7 +81,7 @@ def write_rates(N, rates, qd):
 
 @lean
 def write_turning(chains, qd, V, room):
-    """Write the effect of turning axes on columns V (n, c): ``d(J)/dt V`` of each chain."""
+    """Write ``dJ/dt V`` of each chain, which rotating axes cause, for columns V (n, c)."""
     starts = chains.starts
     for i in range(starts.size - 1):
         s, e = starts[i], starts[i + 1]
@@ -148,7 +146,7 @@ def write_inertia(chains, q, N, M, P, out):
 
 @lean
 def _solved(G, x):
-    """Solve G x = x in place by Cholesky's factors, which overwrite G; return a status."""
+    """Overwrite x with G^-1 x by Cholesky factors, which overwrite G; return a status."""
     dof = x.size
     for a in range(dof):
         for b in range(a + 1):

@@ -1,13 +1,13 @@
 """Rates of a platform and of all joints of the chains that carry it.
 
-Chain i moves the platform with ``J_p p + J_a a = t - d``, p and a the rates of its passive and
-actuated joints, t the twist of the platform and d what the chain itself contributes.  With
-``J_p = Q [R; 0]`` the rows of Q' below R, the wrenches that do no work on passive joints, leave
-``K t = J a + ...``, the book's equation, six columns for the robot; then R gives p, chain by chain.
+Chain i moves the platform with ``J_p p + J_a a = t - d``: p and a are the rates of its passive and
+actuated joints, t is the twist of the platform, and d an additional twist of the chain.  With
+``J_p = Q [R; 0]``, the rows of Q' below R are wrenches that do no work on passive joints.  They
+give ``K t = J a + ...``, the book's equation with six columns; then R gives p of each chain.
 
 Chains are packed one after another, n_i + 1 rows each (see :mod:`..chain.serial`); ``starts`` has
-where the joints of each begin, and their number at its end; ``drives`` of each joint the number of
-its drive, or -1.  Lengths are multiplied by ``scale``, so that all entries are of order one.
+the first joint of each, then the number of joints; ``drives`` has the drive of each joint, or -1.
+Lengths are multiplied by ``scale``, so that all entries are of order one.
 """
 
 import math
@@ -18,15 +18,15 @@ import numpy as np
 from robomech_ros._kernels.chain.serial import OK, jacobian_body
 from robomech_ros._kernels.compiling.jit import inline, lean
 
-# Status: the drives do not hold the platform; joints of one limb move by themselves; no numbers.
+# Status: regular; the drives do not hold the platform; a limb has a self-motion; not finite.
 REGULAR, SINGULAR, FREE, NOT_FINITE = 0, 1, 2, 3
-# Least fraction of a column that is independent of those before it.
+# Least part of a column that must be independent of the columns before it.
 _INDEPENDENT = 1e-10
 
 Chains = namedtuple("Chains", ("packed", "starts", "drives", "scale"))
 
-# For each limb the Jacobian J (6, w), the pose T (4, 4), R (6, w) and Q' (6, 6); and what solving
-# needs: A (6 limbs, 6) and B (6 limbs, c).
+# For each limb the Jacobian J (6, w), the pose T (4, 4), R (6, w) and Q' (6, 6); and working space
+# of the solver, A (6 limbs, 6) and B (6 limbs, c).
 Factors = namedtuple("Factors", ("J", "T", "R", "Q", "A", "B"))
 
 
@@ -41,7 +41,7 @@ def widest(starts):
 
 @inline
 def room_for_factors(starts, width):
-    """Make room for the factors of all limbs, and to solve for so many columns."""
+    """Return room for the factors of all limbs, and for a solution with `width` columns."""
     limbs, n = starts.size - 1, widest(starts)
     return Factors(
         np.zeros((limbs, 6, n)),
@@ -55,9 +55,9 @@ def room_for_factors(starts, width):
 
 @lean
 def _triangulate(A, B, rows, columns, width):
-    """Bring A (rows, columns) to an upper triangle by reflections, and apply them to B.
+    """Reduce A (rows, columns) to an upper triangle by reflections, and apply them to B.
 
-    Returns the least part of a column of A that is independent of those before it.
+    Returns the least part of a column of A that is independent of the columns before it.
     """
     least = math.inf if columns <= rows else 0.0
     for c in range(min(columns, rows)):
@@ -94,7 +94,7 @@ def _triangulate(A, B, rows, columns, width):
 
 @lean
 def passive_count(drives, start, end):
-    """Count joints from start to before end that have no drive."""
+    """Return the number of joints without a drive from start to before end."""
     k = 0
     for j in range(start, end):
         if drives[j] < 0:
@@ -104,7 +104,7 @@ def passive_count(drives, start, end):
 
 @lean
 def factors(chains, q, out):
-    """Write the Factors of all limbs for q (n,); return a status.  Lengths in J are scaled."""
+    """Write the factors of all limbs for q (n,); return a status.  Lengths in J are scaled."""
     packed, starts, drives, scale = chains
     J, T, R, Q = out.J, out.T, out.R, out.Q
     status = REGULAR
@@ -132,8 +132,8 @@ def factors(chains, q, out):
 def solve(chains, found, rates, D, qd, t):
     """Solve for all joint rates qd (n, c) and twists t (6, c) of the platform.
 
-    Given are the factors, the rates of the drives (m, c), and D (limbs, 6, c) with lengths in m,
-    overwritten.  As many columns are solved for as all of them have.  Returns a status.
+    The inputs are factors, rates of the drives (m, c), and twists D (limbs, 6, c) with lengths in
+    m, which are overwritten.  The array with the fewest columns sets c.  Returns a status.
     """
     starts, drives, scale = chains.starts, chains.drives, chains.scale
     J, R, Q, A, B = found.J, found.R, found.Q, found.A, found.B
@@ -180,9 +180,9 @@ def solve(chains, found, rates, D, qd, t):
 
 @lean
 def left_inverse(chains, found, S):
-    """Write to the first rows of S the platform's twist (6, c) for c wrenches that do no work.
+    """Write a left inverse (6, c) of the rows of Q' below R, limb by limb, to the top of S.
 
-    These are the rows of Q' below R, limb by limb.  Returns a status.
+    Returns a status.
     """
     starts, drives, Q, A = chains.starts, chains.drives, found.Q, found.A
     count = 0
@@ -217,7 +217,7 @@ def _passive(start, end, drives, R, Q, D, t, qd, width):
             value = 0.0
             for m in range(6):
                 value += Q[row, m] * (t[m, c] - D[m, c])
-            # The rates of the joints behind this one are known.
+            # The rates of passive joints behind this one are known.
             column = k
             for other in range(end - 1, j, -1):
                 if drives[other] < 0:
@@ -230,7 +230,8 @@ def _passive(start, end, drives, R, Q, D, t, qd, width):
 def loop_errors(T, scale, D):
     """Write the twist (limbs, 6, 1) from the first limb's end to the end of each limb.
 
-    Angular first: sine of the angle along the axis, and m.  Returns the largest, lengths scaled.
+    It is the axis times the sine of the angle, then the distance (m).  Returns the largest entry,
+    with scaled lengths.
     """
     largest = 0.0
     for i in range(T.shape[0]):

@@ -1,8 +1,8 @@
-"""Closure of loops for new positions of the drives, from a posture nearby, in the same mode.
+"""Closure of loops for new positions of the drives, from a near posture in the same mode.
 
-The way of the drives is gone in steps, each of them proved to pass no singularity (see
-:mod:`.certificate`); near one they become shorter, down to nothing.  A step goes along the tangent
-first; what closes the loops after it is found with the inverse at the end of the tangent.
+The drives move in steps, each proved to pass no singularity (see :mod:`.certificate`); towards a
+singularity, they become shorter without limit.  A step first follows the tangent; then Newton steps
+close the loops with the inverse at the end of the tangent.
 """
 
 import math
@@ -31,19 +31,19 @@ from robomech_ros._kernels.loops.factors import (
 
 # Status of a path that is too long.
 LONG = 6
-# Longest tangent of a joint (rad; of the size): longer ones are never proved.
+# Longest tangent step of a joint (rad; of the size): longer ones are never proved.
 _LONGEST = 0.25
 # A negligible move, and loop errors of a closed posture (rad; of the size).
 _SETTLED, _CLOSED = 1e-13, 1e-12
 _ITERATIONS, _STEPS = 20, 3000
-# Least part of a way of 1 rad, after which a singularity is in it; and while little is gone, least
-# part of what is gone, or at the start: steps that lead away from a singularity grow.
+# Least step relative to a path of 1 rad: a shorter one means a singularity.  At first, the least
+# step is this part of the travelled path, or an absolute one: steps away from a singularity grow.
 _LEAST, _LEAST_OF_GONE, _LEAST_AT_START = 1e-5, 1e-3, 1e-8
-# Part of the longest step that is proved, how much shorter and longer than the one before.
+# Part of the longest provable step, and its smallest and largest ratio to the last step.
 _PART, _SHORTER, _LONGER = 0.8, 0.1, 4.0
 
 # Factors at both ends of a tangent, the inverse at its end, errors D (limbs, 6, 1) and those at
-# its start, rates of drives, and moves of joints: the tangent, and after it.
+# its start, rates of drives, and moves of joints along the tangent and after it.
 Room = namedtuple("Room", ("first", "second", "inverse", "D", "start", "rates", "v", "qd", "t"))
 
 
@@ -77,7 +77,7 @@ def _reaches(chains, q, v, out):
             else:
                 total += abs(q[j]) + abs(v[j, 0])
                 if chains.drives[j] < 0:
-                    # Half of the size is more than any r of the proof.
+                    # Half of the size exceeds any r of the proof.
                     total += 0.5 / chains.scale
         out[i] = max(1.0, reach * chains.scale)
 
@@ -93,7 +93,7 @@ def _largest(qd, weights):
 
 @lean
 def _moved(trial, qd, weights):
-    """Move joints; return the largest move."""
+    """Move joints in place; return the largest move."""
     for j in range(trial.size):
         trial[j] += qd[j, 0]
     return _largest(qd, weights)
@@ -110,8 +110,8 @@ def _poses(chains, q, T):
 def _step(chains, weights, trial, reach, room):
     """Move all joints in place by the rates of the drives in the room.
 
-    Returns what :func:`part_of_proof` does, infinite if there is none: only up to 1 the joints are
-    where they belong.
+    Returns the result of :func:`part_of_proof`, or infinity without one.  Above 1, the step is not
+    proved, and the joints are invalid.
     """
     first, second, inverse, v, qd = room.first, room.second, room.inverse, room.v, room.qd
     if factors(chains, trial, first) != REGULAR:
@@ -154,9 +154,9 @@ def _step(chains, weights, trial, reach, room):
 def close(packed, starts, drives, scale, weights, target, q, report):
     """Move all joints q (n,) in place until the drives are at their target (m,).
 
-    ``weights`` are 1 for joints that turn and ``scale`` for those that slide.  Written to
-    ``report`` (2,): the part of the way that was gone, and the largest error of a loop (rad; of the
-    size).  Returns a status; where it is not regular, q is the last posture with closed loops.
+    ``weights`` are 1 for revolute and ``scale`` for prismatic joints.  ``report`` (2,) receives the
+    travelled part of the path, and the largest loop error (rad; of the size).  Returns a status; if
+    it is not regular, q is the last posture with closed loops.
     """
     chains, room = Chains(packed, starts, drives, scale), _room(starts, target.size)
     trial, reach = np.empty(q.size), np.empty(starts.size - 1)

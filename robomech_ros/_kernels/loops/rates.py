@@ -1,4 +1,4 @@
-"""Rates and accelerations of all joints for those of the drives, and the natural complement."""
+"""Rates and accelerations of all joints for those of the drives."""
 
 import numpy as np
 
@@ -30,9 +30,9 @@ def limb_poses(packed, starts, q, poses):
 
 @kernel(i8(IN2, IIN1, IIN1, f8, IN2, IN3, OUT3, OUT3))
 def rates(packed, starts, drives, scale, q, given, out, twists):
-    """Write rates of all joints (b, n, c) and twists (b, 6, c), for those of the drives (b, m, c).
+    """Write rates of all joints (b, n, c) and twists (b, 6, c) for rates of the drives (b, m, c).
 
-    Returns a status; where it is not regular, rows from the first such one on are undefined.
+    Returns a status; if it is not regular, rows from the first failure on are undefined.
     """
     width = given.shape[2]
     chains, found = Chains(packed, starts, drives, scale), room_for_factors(starts, width)
@@ -52,7 +52,7 @@ def accelerations(packed, starts, drives, scale, q, qd, given, out, twists):
     """Write accelerations of all joints (b, n, 1) and of the platform (b, 6, 1).
 
     ``qd`` (b, n) are the rates of all joints, and ``given`` (b, m, 1) the accelerations of the
-    drives.  Returns a status as :func:`rates` does.
+    drives.  Returns a status as for :func:`rates`.
     """
     limbs, n = starts.size - 1, widest(starts)
     chains, found = Chains(packed, starts, drives, scale), room_for_factors(starts, 1)
@@ -65,7 +65,7 @@ def accelerations(packed, starts, drives, scale, q, qd, given, out, twists):
                 s, e = starts[i], starts[i + 1]
                 for j in range(n):
                     own[j] = qd[b, s + j] if j < e - s else 0.0
-                    # A narrower limb does not use the columns behind its own.
+                    # A limb with fewer joints does not use the last columns.
                     for r in range(6):
                         J[i, r, j] = J[i, r, j] if j < e - s else 0.0
                 rate_body(J[i], own, changes)

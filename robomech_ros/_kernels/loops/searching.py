@@ -1,4 +1,4 @@
-"""Search for closed loops from far away by limited Newton steps, with fixed drives."""
+"""Search for closed loops from distant postures by limited Newton steps with fixed drives."""
 
 import numpy as np
 
@@ -24,8 +24,8 @@ _SETTLED, _CLOSED = 1e-12, 1e-10
 def search(packed, starts, drives, scale, weights, q, closed):
     """Move passive joints of postures q (k, n) in place until the loops are closed.
 
-    Written to ``closed`` (k,): whether they are; angles of half a turn pass for none.  Returns how
-    many.
+    ``closed`` (k,) receives 1 for closed loops, also if an angle is wrong by half a turn, else 0.
+    Returns the number of closed postures.
     """
     limbs, m = starts.size - 1, 0
     for j in range(drives.size):
