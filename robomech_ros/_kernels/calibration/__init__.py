@@ -1,1 +1,1 @@
-"""Kernels of calibrations."""
+"""Kernels of hand-eye calibration."""

@@ -1,1 +1,1 @@
-"""Parallel robots: all poses of the platform, and one that is followed."""
+"""Parallel robots: all poses of the platform, and tracking of one pose."""

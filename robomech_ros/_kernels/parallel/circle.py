@@ -1,7 +1,6 @@
 """Real zeros of trigonometric polynomials of order three and four, from equally spaced samples.
 
-Robots with a platform of three degrees of freedom have their direct kinematics in one: the planar
-ones of order three, the spherical one of order four.
+The zeros solve the direct kinematics of planar (order three) and spherical (order four) robots.
 """
 
 import math
@@ -11,20 +10,20 @@ import numpy as np
 from robomech_ros._kernels.compiling.jit import inline, part
 from robomech_ros._kernels.compiling.types import OUT1, i8
 
-# Sweeps of Aberth's iteration, and the step that ends it.
+# Largest number of sweeps of Aberth's iteration, and the step that ends it.
 _SWEEPS, _SETTLED = 100, 1e-15
-# A zero of the complex polynomial this near to the unit circle may be a real one: those of a double
-# root leave it by the root of the rounding, and the caller judges by the pose.
+# A zero of the complex polynomial this near to the unit circle may be a real angle.  Double zeros
+# leave the circle by the square root of rounding errors; the caller checks the pose.
 _NEAR = 1e-4
-# A zero that has gone so far stays there: the polynomial is of lower degree.
+# A zero of this size stays there: the polynomial has a lower degree.
 _INFINITY = 1e12
-# Samples of nothing but rounding, of what they are differences of: every angle is a zero.
+# Relative size of samples that are only rounding errors: every angle is a zero.
 _VOID = 1e-13
 
 
 @inline
 def _polynomial(samples, count, c):
-    """Write the coefficients of the polynomial in z = exp(i x), multiplied by z^n."""
+    """Write the coefficients of the polynomial in z = exp(i x) times z^n."""
     for j in range(count):
         total = 0.0j
         for k in range(count):
@@ -35,7 +34,7 @@ def _polynomial(samples, count, c):
 
 @inline
 def _ratio(c, degree, z):
-    """Return p'(z) / p(z) and whether p(z) is zero; outside the circle by powers of 1 / z."""
+    """Return p'(z) / p(z), and whether p(z) is zero; use powers of 1 / z outside the circle."""
     inside = abs(z) <= 1.0
     x = z if inside else 1.0 / z
     value, slope = c[degree] if inside else c[0], 0.0j
@@ -50,9 +49,9 @@ def _ratio(c, degree, z):
 
 @inline
 def _iterate(c, degree, z):
-    """Bring z to the zeros by Aberth's iteration."""
+    """Write the zeros to z by Aberth's iteration."""
     for i in range(degree):
-        # Neither on the circle nor symmetric to the real line.
+        # Starts must not be on the circle, nor symmetric about the real line.
         angle = 2.0 * math.pi * i / degree + 0.4
         radius = 0.9 if i % 2 == 0 else 1.1
         z[i] = radius * complex(math.cos(angle), math.sin(angle))
@@ -79,11 +78,10 @@ def _iterate(c, degree, z):
 
 @part(i8(OUT1, OUT1, i8, OUT1))
 def circle_zeros(samples, sizes, count, zeros):
-    """Write the angles (rad) near which a polynomial of order n may vanish.
+    """Write the angles (rad) near possible zeros of a polynomial of order n.
 
-    Samples are its values at 2 pi k / (2 n + 1), of which there are ``count``, and sizes those of
-    the terms they are made of.
-    Returns how many there are, at most 2 n, or -1 where the polynomial is zero throughout.
+    ``samples`` are its ``count`` values at 2 pi k / (2 n + 1), and ``sizes`` the magnitudes of
+    their terms.  Returns the number of angles, at most 2 n, or -1 if all samples vanish.
     """
     order = count // 2
     largest, size = 0.0, 0.0

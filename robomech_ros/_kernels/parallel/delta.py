@@ -1,7 +1,7 @@
-"""The Delta robot: arms at an azimuth, forearms as parallelograms, a platform that translates.
+"""Delta robot: three arms at azimuths, with parallelograms as forearms, and a translating platform.
 
-With the arm's angle q downwards from the horizontal, and the centre at (X, Y, z) as seen from the
-joint of a limb, in its own directions and shifted by the platform's radius, the forearm asks for
+The angle q of an arm is downwards from the horizontal.  With the centre at (X, Y, z) in the frame
+of a limb's joint, shifted by the platform's radius, the length of the forearm requires
 
     X cos q - z sin q = (X^2 + Y^2 + z^2 + arm^2 - forearm^2) / (2 arm).
 """
@@ -11,18 +11,18 @@ import math
 from robomech_ros._kernels.compiling.jit import kernel
 from robomech_ros._kernels.compiling.types import IN1, OUT1, OUT2, i8
 
-# Rounding of a cosine, and of a squared distance (of the size), at a boundary.
+# Rounding error of a cosine, and of a squared distance (of the size), at a boundary.
 _ROUNDING = 1e-14
-# Least sine between the sides of the triangle of elbows, shifted by the platform's radius.
+# Least sine between two sides of the triangle of elbows, shifted by the platform's radius.
 _IN_LINE = 1e-9
 
 
 @kernel(i8(IN1, IN1, IN1, OUT2, OUT1))
 def delta_angles(geometry, azimuths, point, angles, excess):
-    """Write both angles (3, 2) of each arm, rad, and by how much it misses the point (3,), m.
+    """Write both angles (3, 2) of each arm (rad), and its distance (m) from reaching the point.
 
-    ``geometry`` has radius of base and platform, arm and forearm (m).  Returns the number of arms
-    that do not reach, or -1 where any angle of one would do.
+    ``geometry`` has the radii of base and platform, and the lengths of arm and forearm (m).
+    Returns the number of arms that cannot reach, or -1 if the angle of an arm is arbitrary.
     """
     inward, arm, forearm = geometry[0] - geometry[1], geometry[2], geometry[3]
     missed = 0
@@ -53,11 +53,11 @@ def delta_angles(geometry, azimuths, point, angles, excess):
 
 @kernel(i8(IN1, IN1, IN1, OUT2, OUT1))
 def delta_points(geometry, azimuths, q, points, report):
-    """Write where the centre can be (2, 3), m, for three angles of the arms.
+    """Write the possible positions (2, 3) of the centre (m) for three angles of the arms.
 
-    It is where three spheres of the forearm's radius meet.  Written to ``report``: how far their
-    meeting is from real, as a square (m^2), negative where there is none.  Returns how many points
-    there are, or -1 where the spheres share a circle.
+    They are intersections of three spheres with the forearm as radius.  ``report`` receives the
+    squared distance (m^2) of these from the plane of the elbows, negative if there are none.
+    Returns the number of positions, or -1 if the spheres intersect in a circle.
     """
     inward, arm, forearm = geometry[0] - geometry[1], geometry[2], geometry[3]
     x, y, z = 0.0, 0.0, 0.0

@@ -1,4 +1,4 @@
-"""End points of homotopy paths: select distinct, conjugate and real ones."""
+"""Selection of distinct, conjugate and real end points of homotopy paths."""
 
 import math
 
@@ -10,13 +10,13 @@ from robomech_ros._kernels.parallel.newton import newton, pose_of_parameters
 from robomech_ros._kernels.parallel.projective import REGULAR
 from robomech_ros._kernels.parallel.quadrics import COUT2
 
-# Ends nearer to each other than this (of unit length) are one: paths have been confused.
+# Ends nearer to each other than this (of unit length) are equal: a path tracker has jumped.
 _ONE = 1e-9
-# An end and the conjugate of its partner are this near, and ten times nearer than any other.
+# Largest distance of an end from the conjugate of its partner, and its largest ratio to the next.
 _CONJUGATE, _NEARER = 1e-6, 0.1
-# The square of a distance is exact enough as a difference above this.
+# Above this, a squared distance is accurate as the difference 1 - |x . y|^2.
 _FAR = 1e-4
-# If |x_0|^2 differs by more, two ends are too far apart for a comparison with _CONJUGATE.
+# Ends whose |x_0|^2 differ by more are farther apart than _CONJUGATE.
 _APART = 1e-4
 
 
@@ -27,7 +27,7 @@ def _square(z):
 
 @inline
 def _distance(x, y, conjugate):
-    """Measure the distance of two points of P^7 of unit length, the second conjugated or not."""
+    """Return the distance of unit points x and y, or the conjugate of y, in P^7."""
     inner = 0.0j
     for i in range(8):
         z = y[i].conjugate() if conjugate else y[i]
@@ -45,10 +45,10 @@ def _distance(x, y, conjugate):
 
 @kernel(i8(COUT2, IIN1, IOUT1))
 def pair(X, ends, partner):
-    """Bring ends X (n, 8) to unit length, and find the conjugate of each among them.
+    """Normalise the ends X (n, 8), and write the index of the conjugate of each to partner (n,).
 
-    A real end is its own partner; the partner is -1 where there is none, or where two ends are
-    one.  Returns how many have none.
+    A real end is its own partner; the partner is -1 if none is found, or if two ends are equal.
+    Returns the number of ends without a partner.
     """
     n = X.shape[0]
     for i in range(n):
@@ -84,9 +84,9 @@ def pair(X, ends, partner):
 
 @kernel(i8(IN2, IN2, OUT1, COUT2, IIN1, OUT2, OUT1))
 def real_poses(A, B, lengths, X, partner, poses, errors):
-    """Write the real poses among the ends, R row by row and p (n, 12), and their length errors.
+    """Write the poses (n, 12) of real ends, R row by row and p, and their length errors.
 
-    Returns how many there are, or -1 where one cannot be made exact.
+    Returns their number, or -1 if Newton's method does not converge for one.
     """
     x = scratch(8)
     count = 0

@@ -1,10 +1,10 @@
-"""A known pose followed to new leg lengths, each step proved by Kantorovich's theorem.
+"""Tracking of a pose to new leg lengths, with each step proved by Kantorovich's theorem.
 
 In the frame of the platform, with g_0 = -w . tau as a seventh equation, the conditions of the legs
 (see :mod:`robomech_ros._kernels.parallel.series`) are quadratic: their second derivatives are
-constant, and what the theorem asks is known exactly.  With h = |J^-1 F''| |J^-1 F| <= 1/2 there is
-one solution in the ball of radius (1 - sqrt(1 - 2 h)) / |J^-1 F''|, the one into which the pose
-moves while the lengths do.
+constant, and the bounds of the theorem are exact.  With h = |J^-1 F''| |J^-1 F| <= 1/2 there is
+one solution in the ball of radius (1 - sqrt(1 - 2 h)) / |J^-1 F''|; the pose moves to it while the
+lengths change.
 
 References
 ----------
@@ -18,22 +18,22 @@ from robomech_ros._kernels.compiling.jit import kernel, lean, scratch, scratch_i
 from robomech_ros._kernels.compiling.types import IN1, IN2, OUT1, i8
 from robomech_ros._kernels.parallel.newton import eliminate, newton, rows
 
-# Status where a singularity is in the way, and where no step is proved any more.
+# Status if a singularity is on the path, and if no further step can be proved.
 SINGULAR, _UNPROVED = -1, -2
 
-# Part of the largest step that is proved, and the least, of all the way, before it gives up: as
-# steps go with the square of the regularity, that reaches far below _SINGULAR.
+# Part of the largest provable step, and the least step, of the whole path.  As steps decrease with
+# the square of the regularity, the latter can fall far below _SINGULAR.
 _PART, _LEAST_STEP = 0.9, 1e-13
 _STEPS = 2000
 # Least ratio of norms, 1 / (|J| |J^-1|), of a pose that is not singular.
 _SINGULAR = 2e-6
-# Rounding of the distance that a step has gone, of the size.
+# Rounding error of the distance of a step, of the size.
 _ROUNDING = 1e-9
 
 
 @lean
 def _bend(B, J, inverse, r, H):
-    """Return |J^-1 F''|, as Frobenius would: rows of the inverse times the second derivatives."""
+    """Return the Frobenius norm |J^-1 F''|."""
     for k in range(6):
         d = J[k, 0], J[k, 1], J[k, 2]
         b = B[k, 0], B[k, 1], B[k, 2]
@@ -54,8 +54,8 @@ def _bend(B, J, inverse, r, H):
             value = 0.0
             for k in range(6):
                 value += inverse[k, i] * H[k, j]
-            # How often an entry stands in the matrix: tau . tau and g_0^2; the cross product,
-            # twice; products of w; g_0 with w.
+            # Number of times that an entry occurs in F'': four for tau . tau and g_0^2, and for
+            # the cross product; one for squares of w; two for products of w, and of g_0 and w.
             often = 4.0 if j < 4 else 1.0 if j < 7 else 2.0
             total += often * value * value
     return math.sqrt(total)
@@ -63,7 +63,7 @@ def _bend(B, J, inverse, r, H):
 
 @lean
 def _gone(start, pose):
-    """Measure how far a pose is from another, as the length of (tau, w, g_0) in its frame."""
+    """Return the distance of two poses, as the length of (tau, w, g_0) in the frame of one."""
     trace = 1.0
     for i in range(9):
         trace += start[i] * pose[i]
@@ -91,7 +91,7 @@ def _gone(start, pose):
 
 @lean
 def _inverted(J, order, inverse):
-    """Write the inverse, transposed, from the factors."""
+    """Write the transposed inverse from the factors."""
     for i in range(6):
         for j in range(6):
             inverse[i, j] = 1.0 if i == j else 0.0
@@ -100,7 +100,7 @@ def _inverted(J, order, inverse):
 
 @lean
 def _regularity(J, inverse):
-    """Return 1 / (|J| |J^-1|), by Frobenius."""
+    """Return 1 / (|J| |J^-1|) with Frobenius norms."""
     one, other = 0.0, 0.0
     for i in range(6):
         for j in range(6):
@@ -111,11 +111,11 @@ def _regularity(J, inverse):
 
 @kernel(i8(IN2, IN2, IN1, OUT1, OUT1))
 def follow(A, B, lengths, pose, report):
-    """Move a pose (12,) in place until its leg lengths (6,) are those given.
+    """Move a pose (12,) in place until it has the leg lengths (6,).
 
-    Points are of order one.  The squared lengths move along a line.  Written to ``report`` (2,):
-    the part of the way that was gone, and the ratio of norms where it ends.  Returns the number of
-    steps, or a status below 0.
+    Points are of order one.  The squared lengths move along a line.  ``report`` (2,) receives the
+    travelled part of this path, and the regularity at its end.  Returns the number of steps, or a
+    negative status.
     """
     J, order, factors = scratch(6, 6), scratch_integers(6), scratch(6, 6)
     H, inverse = scratch(6, 13), scratch(6, 6)

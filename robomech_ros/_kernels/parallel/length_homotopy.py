@@ -1,6 +1,7 @@
-"""Paths of all poses of a platform on six legs, while their squared lengths move along a line.
+"""Homotopy paths of all poses of a platform on six legs, in the squared leg lengths.
 
-Eight are followed in step, each with its own t; a lane whose path has ended takes the next one.
+A batch of eight paths is tracked at a time, each with its own t; the next path replaces one that
+has ended.
 """
 
 import math
@@ -16,22 +17,22 @@ from robomech_ros._kernels.parallel.simd_batch import LANES, factor, frame, move
 
 CIN1 = types.Array(types.complex128, 1, "C", readonly=True)
 
-# How large the last term of the series may be, and which part of its radius a step may take.
+# Largest last term of the series, and largest part of its radius of convergence for a step.
 _TERM = 1e-3
 _RADIUS = 0.75
-# A step is taken where the first correction is less than this, and the second than that.
+# Largest first and second correction of an accepted step.
 _FIRST, _SECOND = 0.1, 1e-5
-# Two paths meet as the root of 1 - t: from here only the end is tried.
+# Paths to a double root approach it as the root of 1 - t: this near to t = 1, step to the end only.
 _LAST = 1e-8
 _STEPS = 400
 _LEAST_STEP = 1e-11
-# Rows of the state of a lane.
+# Rows of the state of the batch.
 _T, _H, _CAP, _STEP, _SIZE = range(5)
 
 
 @fused
 def _lengths(s0, s1, state, rr, ri):
-    """Add a quarter of the squared lengths at t + h."""
+    """Add a quarter of the squared lengths at t + h to the residuals."""
     for k in range(6):
         x, y = 0.25 * s0[k].real, 0.25 * s0[k].imag
         u, v = 0.25 * s1[k].real - x, 0.25 * s1[k].imag - y
@@ -43,7 +44,7 @@ def _lengths(s0, s1, state, rr, ri):
 
 @fused
 def _steps(Sr, Si, state):
-    """Choose how far each lane goes."""
+    """Write the step of each path."""
     for n in range(LANES):
         last, before = 0.0, 0.0
         for i in range(6):
@@ -66,7 +67,7 @@ def _steps(Sr, Si, state):
 
 @fused
 def _predict(Sr, Si, state, xr, xi):
-    """Evaluate the series, its last term as the first of a geometric one."""
+    """Evaluate the series, continued by a geometric series from its last term on."""
     for n in range(LANES):
         h = state[_H, n]
         u, v, size = 0.0, 0.0, 1e-300
@@ -90,7 +91,7 @@ def _predict(Sr, Si, state, xr, xi):
 
 @fused
 def _judge(xr, xi, state, turn, good):
-    """Measure corrections, and say which lanes may take their steps."""
+    """Write the sizes of corrections, and flags of paths whose steps are good."""
     for n in range(LANES):
         size = 0.0
         for i in range(6):
@@ -112,7 +113,7 @@ def _fill(X, path, pr, pi, state, n):
 
 @fused
 def _advance(pr, pi, qr, qi, state, good, n):
-    """Take the step of a lane if it is good; give how its path has ended, -1 while it has not."""
+    """Take step n of the batch if it is good; return the end of the path, or -1 if it continues."""
     state[_STEP, n] += 1.0
     if state[_H, n] == 0.0:
         return SINGULAR
@@ -134,10 +135,10 @@ def _advance(pr, pi, qr, qi, state, good, n):
 
 @kernel(i8(IN2, IN2, CIN1, CIN1, COUT2, IOUT1, OUT1))
 def track_lengths(A, B, s0, s1, X, ends, times):
-    """Follow poses X (n, 8) for squared lengths s0 to those for s1, in place.
+    """Track poses X (n, 8) in place from squared lengths s0 to s1.
 
-    Base points A and platform points B (6, 3) are of order one.  How each has ended is written to
-    ``ends`` (n,), and where to ``times`` (n,).  Returns the number of steps, in step.
+    Base points A and platform points B (6, 3) are of order one.  ``ends`` (n,) receives the result
+    of each path, and ``times`` (n,) its last t.  Returns the number of steps of the batch.
     """
     pr, pi = scratch(8, LANES), scratch(8, LANES)
     qr, qi = scratch(8, LANES), scratch(8, LANES)

@@ -1,4 +1,4 @@
-"""One real pose of a platform on six legs: improved, followed, and its Jacobian."""
+"""Newton's method for a real pose of a platform on six legs, leg lengths and Jacobian."""
 
 import math
 
@@ -7,15 +7,15 @@ from robomech_ros._kernels.compiling.jit import kernel, lean, scratch, scratch_i
 from robomech_ros._kernels.compiling.types import IN2, IN3, OUT1, OUT2, OUT3, i8
 
 _STEPS = 12
-# A correction this small (rad, and of the size) is the last but one: the next is its square.
+# After a correction this small (rad, and of the size), one more suffices: errors are squared.
 _SMALL = 1e-7
-# Least pivot, of the largest entry: below, the pose is singular to working precision.
+# Least pivot, relative to the largest entry, of a pose that is regular to working precision.
 _PIVOT = 1e-13
 
 
 @lean
 def pose_of_parameters(x, pose):
-    """Write the pose (12,) of real parameters (e, g), which need not be of unit length."""
+    """Write the pose (12,) of real parameters (e, g) of any length."""
     a, b, c, d = x[0], x[1], x[2], x[3]
     size = 1.0 / (a * a + b * b + c * c + d * d)
     pose[0] = (a * a + b * b - c * c - d * d) * size
@@ -35,7 +35,7 @@ def pose_of_parameters(x, pose):
 
 @lean
 def rows(A, B, pose, J, r):
-    """Write rows [d, b x d] in the platform's frame, and d . d to r; base points stay in d - b."""
+    """Write the rows [d, b x d] of all legs in the platform's frame to J, and d . d to r."""
     for k in range(6):
         x, y, z = A[k, 0] - pose[9], A[k, 1] - pose[10], A[k, 2] - pose[11]
         u, v, w = B[k, 0], B[k, 1], B[k, 2]
@@ -49,7 +49,7 @@ def rows(A, B, pose, J, r):
 
 @lean
 def eliminate(J, b, order):
-    """Factor J (6, 6) with partial pivoting and solve, in place of both; False if singular."""
+    """Overwrite J (6, 6) with its factors, and b with the solution; return False if singular."""
     largest = 0.0
     for k in range(6):
         for i in range(6):
@@ -62,7 +62,7 @@ def eliminate(J, b, order):
 
 @lean
 def moved(pose, x):
-    """Move a pose by a step x = (tau, w) in its own frame."""
+    """Move a pose in place by a step x = (tau, w) in its own frame."""
     a, b, c, u, v, w = x[0], x[1], x[2], x[3], x[4], x[5]
     size = 2.0 / (1.0 + u * u + v * v + w * w)
     g = -(a * u + b * v + c * w)
@@ -72,7 +72,7 @@ def moved(pose, x):
     for i in range(3):
         x0, y0, z0 = pose[3 * i], pose[3 * i + 1], pose[3 * i + 2]
         pose[9 + i] += x0 * p + y0 * q + z0 * r
-        # A row of R times R_delta, the transposed turn of that row: row + size (row x w) x ...
+        # A row of R times R_delta is row + size (row x w + (row x w) x w).
         d, e, f = y0 * w - z0 * v, z0 * u - x0 * w, x0 * v - y0 * u
         k, m, n = e * w - f * v, f * u - d * w, d * v - e * u
         pose[3 * i] = x0 + size * (d + k)
@@ -82,7 +82,7 @@ def moved(pose, x):
 
 @lean
 def newton(A, B, lengths, pose):
-    """Improve a pose (12,) in place; give the largest error of a length, -1 without convergence."""
+    """Improve a pose (12,) in place; return the largest length error, or -1 if not converged."""
     J, b, r, order = scratch(6, 6), scratch(6), scratch(6), scratch_integers(6)
     for _ in range(_STEPS):
         rows(A, B, pose, J, r)
@@ -142,7 +142,7 @@ def leg_lengths(A, B, T, out):
 
 @kernel(i8(IN2, IN2, IN3, OUT3))
 def jacobians(A, B, T, out):
-    """Write the rows [(R b) x n, n] of each leg (m, 6, 6), n its direction; -1 without length."""
+    """Write rows [(R b) x n, n] of legs with directions n (m, 6, 6); return -1 for zero length."""
     for i in range(T.shape[0]):
         for k in range(A.shape[0]):
             u, v, w = B[k, 0], B[k, 1], B[k, 2]

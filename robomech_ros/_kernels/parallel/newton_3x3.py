@@ -1,15 +1,15 @@
-"""Newton steps of the planar and the spherical robot: three equations in three unknowns."""
+"""Newton steps with three unknowns, and collection of poses, for planar and spherical robots."""
 
 from robomech_ros._kernels.compiling.jit import lean
 from robomech_ros._kernels.spatial.vectors import cramer, dot, scaled, upper
 
-# Least determinant, of the product of the rows' lengths, of a regular pose.
+# Least determinant of a regular pose, relative to the product of row lengths.
 REGULAR = 1e-6
 
 
 @lean
 def solve_three(J, f, step):
-    """Solve J step = f by Cramer's rule; give the determinant over the product of row lengths."""
+    """Solve J step = f by Cramer's rule; return det J over the product of row lengths."""
     determinant, found = cramer(upper(J, 0), upper(J, 1), upper(J, 2), f)
     size = (dot(J[0], J[0]) * dot(J[1], J[1]) * dot(J[2], J[2])) ** 0.5
     if not abs(determinant) > 1e-15 * size:
@@ -20,9 +20,9 @@ def solve_three(J, f, step):
 
 @lean
 def gather(poses, multiplicity, count, same, regular):
-    """Merge the pose at row ``count`` with one before it, or keep it; give how many there are.
+    """Merge the pose in row ``count`` with an equal one before it; return the new count.
 
-    A regular pose is a single one, however often it was found.
+    Equal singular poses increase the multiplicity, equal regular ones do not.
     """
     for k in range(count):
         apart = 0.0

@@ -1,7 +1,7 @@
-"""All poses of a planar platform with three of its points at given distances from three others.
+"""All poses of a planar platform for three distances between points of base and platform.
 
-With both origins at the first points, p . u_i = r_i for i = 2, 3, where u_i = R c_i - d_i; then
-|r_2 u_3 - r_3 u_2|^2 = rho_1^2 (u_2 x u_3)^2 is a trigonometric polynomial of order three.
+With both origins at the first points, p . u_i = r_i for i = 2, 3 with u_i = R c_i - d_i; so
+|r_2 u_3 - r_3 u_2|^2 = rho_1^2 (u_2 x u_3)^2, a trigonometric polynomial of order three.
 """
 
 import math
@@ -13,9 +13,9 @@ from robomech_ros._kernels.parallel.newton_3x3 import REGULAR, gather, solve_thr
 
 _SAMPLES = 7
 _STEPS = 40
-# Error of a distance (of the size) of a pose, and how near two are that count as one.
+# Largest distance error (of the size) of a pose, and largest difference of equal poses.
 _CLOSED, _SAME = 1e-10, 1e-5
-# The lines of p are nearly parallel below this: both points on one of them are tried.
+# Below this, the lines of p are nearly parallel: both points of one line are tried.
 _PARALLEL = 1e-3
 
 
@@ -36,7 +36,7 @@ def _lines(A, B, rho, cosine, sine):
 
 @lean
 def _closure(A, B, rho, pose, J, f):
-    """Write the equations of squared distances, and their derivatives by x, y and phi."""
+    """Write residuals f and Jacobian J for x, y and phi; return the largest distance error."""
     cosine, sine = math.cos(pose[2]), math.sin(pose[2])
     error = 0.0
     for i in range(3):
@@ -50,7 +50,7 @@ def _closure(A, B, rho, pose, J, f):
 
 @inline
 def _polish(A, B, rho, pose):
-    """Improve (x, y, phi) in place; give the error left and the determinant."""
+    """Improve (x, y, phi) in place; return the remaining error and the determinant."""
     J, f, step = scratch(3, 3), scratch(3), scratch(3)
     determinant = 0.0
     for _ in range(_STEPS):
@@ -68,7 +68,7 @@ def _polish(A, B, rho, pose):
 
 @lean
 def _slides(A, B, rho):
-    """Say whether both triangles are the same and the distances equal: the platform can shift."""
+    """Return whether the platform can translate: equal triangles and equal distances."""
     angle = math.atan2(A[1, 1] - A[0, 1], A[1, 0] - A[0, 0]) - math.atan2(
         B[1, 1] - B[0, 1], B[1, 0] - B[0, 0]
     )
@@ -80,8 +80,8 @@ def _slides(A, B, rho):
 def planar_modes(A, B, rho, poses, errors, multiplicity):
     """Write all poses (x, y, phi), up to six, for distances rho (3,) of B from A (3, 2).
 
-    Lengths are of order one; ``poses`` has thirteen rows.  Returns how many, or -1 where the
-    platform can move while the distances stay.
+    Lengths are of order one; ``poses`` has thirteen rows.  Returns the number of poses, or -1 if
+    the platform can move with constant distances.
     """
     samples, sizes, zeros = scratch(_SAMPLES), scratch(_SAMPLES), scratch(_SAMPLES)
     for k in range(_SAMPLES):

@@ -1,4 +1,4 @@
-"""Paths of all solutions of seven quadrics in P^7, while the quadrics move along a line."""
+"""Homotopy paths of all solutions of seven quadrics in P^7, linear in the quadrics."""
 
 import numpy as np
 
@@ -16,15 +16,15 @@ from robomech_ros._kernels.parallel.quadrics import (
 
 REGULAR, SINGULAR, FAILED = 0, 1, 2
 
-# Orders of the power series, and how large its last term may be.
+# Order of the power series, and its largest last term.
 _ORDER = 8
 _TERM = 1e-4
-# Part of the radius of convergence that a step may take.
+# Largest part of the radius of convergence for a step.
 _RADIUS = 0.6
-# Corrections of a step: the last must be this small.
+# Largest number of corrections of a step, and largest last correction.
 _CORRECTIONS = 4
 _SETTLED = 1e-10
-# Two paths meet as the root of 1 - t: from here only the end is tried.
+# Paths to a double root approach it as the root of 1 - t: this near to t = 1, step to the end only.
 _LAST = 1e-8
 _STEPS = 3000
 _LEAST_STEP = 1e-13
@@ -47,7 +47,7 @@ def _mixed(K0, K1, t, K):
 
 @inline
 def _correct(K, x, J, order, f):
-    """Take Newton steps onto the path; True once a step is as small as rounding."""
+    """Correct x by Newton steps; return whether they converge."""
     for _ in range(_CORRECTIONS):
         values(K, x, f)
         derivatives(K, x, J)
@@ -67,7 +67,7 @@ def _correct(K, x, J, order, f):
 
 @inline
 def _series(K, D, J, order, series, products, b):
-    """Write the power series of the path, beginning with its place; give its step."""
+    """Write the terms of the power series from order 1; return the largest accurate step."""
     for k in range(1, _ORDER + 1):
         products_of_order(series, k - 1, 0, products)
         for r in range(7):
@@ -99,7 +99,7 @@ def _predict(series, h, x):
 
 @inline
 def _follow(K0, K1, K, D, x, space):
-    """Track one path from t = 0; give how it ended and the t that it has reached."""
+    """Track one path from t = 0; return its result and the last t."""
     J, order, series, products, b, trial = space
     t = 0.0
     for _ in range(_STEPS):
@@ -137,9 +137,9 @@ def _follow(K0, K1, K, D, x, space):
 
 @kernel(i8(CIN2, CIN2, COUT2, IOUT1, OUT1))
 def track(K0, K1, X, ends, times):
-    """Follow solutions X (n, 8) of the quadrics K0 (7, 30) to those of K1, in place.
+    """Track solutions X (n, 8) in place from the quadrics K0 (7, 30) to K1 (7, 30).
 
-    How each has ended is written to ``ends`` (n,), and where to ``times`` (n,).
+    ``ends`` (n,) receives the result of each path, and ``times`` (n,) its last t.
     """
     K, D = np.empty((7, PRODUCTS), np.complex128), np.empty((7, PRODUCTS), np.complex128)
     for r in range(7):

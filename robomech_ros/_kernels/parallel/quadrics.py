@@ -19,7 +19,7 @@ c16 = types.complex128
 CIN2 = types.Array(c16, 2, "C", readonly=True)
 COUT2 = types.Array(c16, 2, "C")
 
-# Which two of the eight parameters are multiplied: e e, e g, g g.
+# Indices of the two parameters in each product: e e, e g, g g.
 _PAIRS = (
     [(i, j) for i in range(4) for j in range(i, 4)]
     + [(i, 4 + j) for i in range(4) for j in range(4)]
@@ -31,7 +31,7 @@ _SECOND = np.array([pair[1] for pair in _PAIRS])
 
 
 def _row(terms):
-    """Lay out a quadratic form, given as {(i, j): coefficient}, over the products."""
+    """Return the row (30,) of a quadratic form {(i, j): coefficient}."""
     row = np.zeros(PRODUCTS)
     for pair, coefficient in terms.items():
         row[_PAIRS.index(pair)] = coefficient
@@ -39,7 +39,7 @@ def _row(terms):
 
 
 def _rotation_forms():
-    """Yield the entries of R, times e . e, row by row."""
+    """Yield the forms of the entries of R times e . e, row by row."""
     for i in range(3):
         for j in range(3):
             if i == j:
@@ -51,7 +51,7 @@ def _rotation_forms():
 
 
 def _position_forms(turn):
-    """Yield 2 (e_0 g - g_0 e + turn e x g), component by component."""
+    """Yield the forms of the components of 2 (e_0 g - g_0 e + turn e x g)."""
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         yield {
@@ -77,7 +77,7 @@ STUDY = _row({(k, 4 + k): 1.0 for k in range(4)})
 
 @inline
 def values(K, x, f):
-    """Write the seven quadrics at x."""
+    """Write the values (7,) of the quadrics at x."""
     for r in range(7):
         f[r] = 0.0
     for m in range(PRODUCTS):
@@ -88,7 +88,7 @@ def values(K, x, f):
 
 @inline
 def derivatives(K, x, J):
-    """Write their derivatives to rows 0 to 6 of J, and the conjugate of x to row 7."""
+    """Write derivatives of the quadrics to rows 0 to 6 of J, and the conjugate of x to row 7."""
     J[:] = 0.0
     for m in range(PRODUCTS):
         i, j = _FIRST[m], _SECOND[m]
@@ -101,7 +101,7 @@ def derivatives(K, x, J):
 
 @inline
 def products_of_order(series, k, low, out):
-    """Write the products' coefficients of order k, without parts of orders below ``low``."""
+    """Write the coefficients of order k of all products, without factors of order below ``low``."""
     for m in range(PRODUCTS):
         i, j = _FIRST[m], _SECOND[m]
         total = 0.0j

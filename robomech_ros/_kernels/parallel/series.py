@@ -1,4 +1,4 @@
-"""Power series of the platform's pose along a path of squared leg lengths, eight at a time.
+"""Power series of poses along paths of squared leg lengths, for a batch of paths.
 
 In the frame of the platform, with x = (tau, w), g_0 = -w . tau and base points a, the condition of
 a leg is
@@ -17,7 +17,7 @@ PARTS = 14
 
 @fused
 def coefficients(ar, ai, B, Mr, Mi):
-    """Write what multiplies the parts (6, 14) of each leg; those of tau . tau and g_0^2 are one."""
+    """Write the coefficients of the parts for each leg; those of tau . tau and g_0^2 are one."""
     for k in range(6):
         u, v, w = B[k, 0], B[k, 1], B[k, 2]
         for n in range(LANES):
@@ -37,7 +37,7 @@ def coefficients(ar, ai, B, Mr, Mi):
 
 @fused
 def _parts(Sr, Si, k, Pr, Pi):
-    """Write the parts (14, lanes) of order k, and g_0 to row 6 of the series."""
+    """Write the parts (14, LANES) of order k, and g_0 to row 6 of the series."""
     for i in range(PARTS):
         for n in range(LANES):
             Pr[i, n], Pi[i, n] = 0.0, 0.0
@@ -96,7 +96,7 @@ def _parts(Sr, Si, k, Pr, Pi):
 
 @fused
 def _leg(Mr, Mi, i, Pr, Pi, g, h, xr, xi):
-    """Write the right side (6, lanes) of a leg: what multiplies the rate is 1 + w . w before."""
+    """Write the right side of leg i; the factor of the rate is 1 + w . w of the order before."""
     for n in range(LANES):
         u, v = Pr[PARTS + 6, n], Pi[PARTS + 6, n]
         a = g * u - h * v - Pr[0, n] - Pr[10, n]
@@ -111,7 +111,7 @@ def _leg(Mr, Mi, i, Pr, Pi, g, h, xr, xi):
 
 @fused
 def series(Jr, Ji, Mr, Mi, rate_r, rate_i, Sr, Si, Pr, Pi):
-    """Write the series (9, 7, lanes) of tau, w and g_0 for rates of (s - d . d) / 4 (6,)."""
+    """Write the series (9, 7, LANES) of tau, w and g_0 for rates (6,) of (s - d . d) / 4."""
     xr, xi = Pr[PARTS : PARTS + 6], Pi[PARTS : PARTS + 6]
     for n in range(LANES):
         Pr[PARTS + 6, n], Pi[PARTS + 6, n] = 1.0, 0.0

@@ -1,8 +1,8 @@
-"""Eight poses at a time, in step: each array has them along its last axis.
+"""Operations on batches of eight poses, which are along the last axis of each array.
 
-Numbers are complex, real and imaginary part in arrays of their own.  A loop over the poses becomes
-a few instructions for all of them if it is the innermost one, or has only short loops of constant
-length in it, which are written out; then sums stay in registers.
+Real and imaginary parts of complex numbers are in separate arrays.  A loop over the poses becomes
+a few SIMD instructions if it is innermost or contains only short loops of constant length, which
+are unrolled; then sums stay in registers.
 """
 
 from robomech_ros._kernels.compiling.jit import fused
@@ -12,7 +12,7 @@ LANES = 8
 
 @fused
 def _turn(pr, pi, mr, mi):
-    """Write R row by row and q = R^T p (12, lanes) of the poses (8, lanes)."""
+    """Write R row by row and q = R^T p (12, LANES) of the poses (8, LANES)."""
     for n in range(LANES):
         a, b, c, d = pr[0, n], pr[1, n], pr[2, n], pr[3, n]
         p, q, r, s = pi[0, n], pi[1, n], pi[2, n], pi[3, n]
@@ -65,9 +65,9 @@ def _turn(pr, pi, mr, mi):
 
 @fused
 def frame(pr, pi, A, B, mr, mi, ar, ai, Jr, Ji, rr, ri):
-    """Write base points in the platform's frame, the rows J (6, 6) and minus a quarter of d . d.
+    """Write base points in the platform's frame, the rows J (6, 6), and -d . d / 4.
 
-    A row has the vector d from the base point to the platform's point b, and b x d.
+    A row is [d, b x d] with the vector d from the base point to the platform point b.
     """
     _turn(pr, pi, mr, mi)
     for k in range(6):
@@ -94,9 +94,9 @@ def frame(pr, pi, A, B, mr, mi, ar, ai, Jr, Ji, rr, ri):
 
 @fused
 def factor(Jr, Ji):
-    """Replace J (6, 6) by its factors L U, the inverses of its pivots on the diagonal.
+    """Replace J (6, 6) by its factors L U, with inverted pivots on the diagonal.
 
-    There is no pivoting: a pose with a small pivot is followed less exactly, and found out.
+    There is no pivoting; corrections reveal the error of a pose with a small pivot.
     """
     for k in range(6):
         for n in range(LANES):
@@ -116,7 +116,7 @@ def factor(Jr, Ji):
 
 @fused
 def solve(Jr, Ji, xr, xi):
-    """Solve with the factors that :func:`factor` has left, the result in place of x (6, lanes)."""
+    """Overwrite x (6, LANES) with the solution by the factors of :func:`factor`."""
     for n in range(LANES):
         for i in range(1, 6):
             for k in range(i):
@@ -135,7 +135,7 @@ def solve(Jr, Ji, xr, xi):
 
 @fused
 def _product(pr, pi, i, qr, qi, j, n):
-    """Multiply the quaternions at rows i and j, as four real and four imaginary parts."""
+    """Return the product of the quaternions in rows i and j: four real, four imaginary parts."""
     a, b, c, d = pr[i, n], pr[i + 1, n], pr[i + 2, n], pr[i + 3, n]
     e, f, g, h = pi[i, n], pi[i + 1, n], pi[i + 2, n], pi[i + 3, n]
     p, q, r, s = qr[j, n], qr[j + 1, n], qr[j + 2, n], qr[j + 3, n]
@@ -154,7 +154,7 @@ def _product(pr, pi, i, qr, qi, j, n):
 
 @fused
 def moved(pr, pi, xr, xi, sr, si, outr, outi):
-    """Move poses by steps x = (tau, w) in their own frames; s (8, lanes) is room for the step."""
+    """Write poses moved by steps x = (tau, w) in their own frames; s (8, LANES) is scratch."""
     for n in range(LANES):
         a, b, c = xr[0, n], xr[1, n], xr[2, n]
         d, e, f = xi[0, n], xi[1, n], xi[2, n]

@@ -1,8 +1,8 @@
-"""All rotations that bring three axes of a platform to given angles with three fixed ones.
+"""All rotations of a platform for three angles between its axes and fixed axes.
 
-R = Rot(w_1, x) R_0 Rot(v_1, y), where R_0 v_1 is at the right angle to w_1: the first condition
-holds for all x and y.  The others are linear in cos y and sin y, and that these are of a circle is
-a trigonometric polynomial of order four in x.
+R = Rot(w_1, x) R_0 Rot(v_1, y), where R_0 v_1 is at the required angle to w_1: the first condition
+holds for all x and y.  The others are linear in cos y and sin y, and cos^2 y + sin^2 y = 1 gives a
+trigonometric polynomial of order four in x.
 """
 
 import math
@@ -14,9 +14,9 @@ from robomech_ros._kernels.parallel.newton_3x3 import REGULAR, gather, solve_thr
 
 _SAMPLES = 9
 _STEPS = 40
-# Error of a cosine, and how near two rotations are (in an entry) that count as one.
+# Largest error of a cosine, and largest difference (of an entry) of equal rotations.
 _CLOSED, _SAME = 1e-11, 1e-5
-# Below this determinant of the two linear equations both solutions of one of them are tried.
+# Below this determinant of the two linear equations, both solutions of one of them are tried.
 _PARALLEL = 1e-3
 
 
@@ -35,7 +35,7 @@ def _turn(axis, angle, M, out):
 
 @lean
 def _orthogonal(v, out):
-    """Write a unit vector orthogonal to v, and the product of both."""
+    """Write a unit vector orthogonal to v, and the cross product of v and this."""
     k = 0
     for i in range(3):
         if abs(v[i]) < abs(v[k]):
@@ -54,7 +54,7 @@ def _orthogonal(v, out):
 
 @lean
 def _first(W, V, cosine, one, two, R):
-    """Write R_0: v_1 comes to the given angle with w_1."""
+    """Write R_0, which rotates v_1 to the required angle with w_1."""
     _orthogonal(V[0], one)
     _orthogonal(W[0], two)
     sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
@@ -67,7 +67,7 @@ def _first(W, V, cosine, one, two, R):
 
 @lean
 def _linear(W, V, cosines, M, i):
-    """Return a, b and d of a cos y + b sin y = d for axis i, M being Rot(w_1, x) R_0."""
+    """Return a, b and d of a cos y + b sin y = d for axis i with M = Rot(w_1, x) R_0."""
     a, b, d = 0.0, 0.0, cosines[i]
     inner = V[0, 0] * V[i, 0] + V[0, 1] * V[i, 1] + V[0, 2] * V[i, 2]
     for j in range(3):
@@ -95,7 +95,7 @@ def _closure(W, V, cosines, pose, J, f):
 
 @inline
 def _polish(W, V, cosines, pose):
-    """Improve a rotation (9,) in place; give the error left and the determinant."""
+    """Improve a rotation (9,) in place; return the remaining error and the determinant."""
     J, f, step, M, axis = scratch(3, 3), scratch(3), scratch(3), scratch(3, 3), scratch(3)
     determinant = 0.0
     for _ in range(_STEPS):
@@ -118,13 +118,13 @@ def _polish(W, V, cosines, pose):
 
 @lean
 def _complete(M, axis, angle, pose):
-    """Write M Rot(axis, angle), row by row."""
+    """Write M Rot(axis, angle) row by row."""
     c, s = math.cos(angle), math.sin(angle)
     for i in range(3):
         inner = (1.0 - c) * (M[i, 0] * axis[0] + M[i, 1] * axis[1] + M[i, 2] * axis[2])
         for j in range(3):
             k, m = (j + 1) % 3, (j + 2) % 3
-            # A row times [axis]x is the row crossed with the axis.
+            # A row times [axis]x is the cross product of the row and the axis.
             across = M[i, k] * axis[m] - M[i, m] * axis[k]
             pose[3 * i + j] = c * M[i, j] + s * across + inner * axis[j]
 
@@ -133,8 +133,8 @@ def _complete(M, axis, angle, pose):
 def spherical_modes(W, V, cosines, poses, errors, multiplicity):
     """Write all rotations (9,), up to eight, for unit axes W and V (3, 3): w_i . R v_i = cosine.
 
-    ``poses`` has seventeen rows.  Returns how many, or -1 where the platform can move while the
-    angles stay.
+    ``poses`` has seventeen rows.  Returns the number of rotations, or -1 if the platform can move
+    with constant angles.
     """
     samples, sizes, zeros = scratch(_SAMPLES), scratch(_SAMPLES), scratch(_SAMPLES)
     one, two, start, M = scratch(2, 3), scratch(2, 3), scratch(3, 3), scratch(3, 3)

@@ -1,1 +1,1 @@
-"""Kernels of rolling robots."""
+"""Kernels of wheeled robots."""

@@ -1,11 +1,11 @@
-"""Streams of twists within limits of velocity, acceleration and jerk, and of steering.
+"""Streams of twists within limits of velocity, acceleration, jerk and steering.
 
-The state of the base is its twist v, its acceleration a, and the rest point: the twist at which it
-would be once the acceleration had been taken away as fast as jerk allows, along a.  Each period the
-rest point moves straight towards the command, as far as jerk and acceleration allow.  Rest point
-and command lie in a convex set of allowed twists; so does every twist on the way, since it lies
-between the twist before and the rest point.  From rest the rest point stays on the ray of the
-command, and so does the twist: the base keeps the curvature of the command while it speeds up.
+The state of the base is its twist v, its acceleration a, and the rest point: the twist after the
+acceleration is reduced to zero as fast as jerk allows.  In each period, the rest point moves
+straight towards the command, as far as jerk and acceleration allow.  Rest point and command are in
+a convex set of allowed twists; so are all twists in between, as each is between the one before and
+the rest point.  From rest, rest point and twist stay on the ray of the command: the base keeps the
+curvature of the command while it accelerates.
 """
 
 import math
@@ -13,40 +13,40 @@ import math
 from robomech_ros._kernels.compiling.jit import inline, kernel, scratch
 from robomech_ros._kernels.compiling.types import IN1, IN2, OUT2, i8
 
-# Rows of the axes: acceleration and deceleration forward, the same backward, jerk, and whether the
-# velocity goes through 0 only with the acceleration 0.
+# Rows of axes: acceleration and deceleration forward, both backward, jerk, and a flag: velocity
+# passes through 0 only with acceleration 0.
 FORTH_UP, FORTH_DOWN, BACK_UP, BACK_DOWN, JERK, STOPS = range(6)
-# Columns of pivots: position, rate per period, limits of the angle; then the state: the angle
-# and the direction of the wheel in the base.
+# Columns of pivots: position, largest rotation per period, limits of the angle; then the state:
+# angle and direction of the wheel in the base.
 X, Y, TURN, LOWER, UPPER, ANGLE, COSINE, SINE = range(8)
 PIVOT_COLUMNS = 8
 
-# Allowed relative excess over a limit: rounding of twists over the period squared.
+# Allowed relative excess over a limit, for rounding errors of twists over the squared period.
 _SLACK = 1e-11
-# Halvings of the search for the move of the rest point, with and without steered wheels.
+# Bisections in the search for the move of the rest point, without and with steered wheels.
 _HALVINGS, _HALVINGS_STEERED = 48, 24
-# A rest point that moves by less than this fraction of its path stands still.
+# A rest point that can move by less than this fraction of its path is blocked.
 _STUCK = 1e-9
-# A pivot slower than this fraction of the twist keeps its direction; its square.
+# Square of the fraction of the twist below which a slow pivot keeps its direction.
 _STILL = 1e-18
-# Angles this far beyond a limit (rad) are at it; directions this near (rad) are the same.
+# Angles (rad) this far beyond a limit are at it, and directions this near (rad) are equal.
 _AT_LIMIT, _SAME = 1e-9, 1e-12
-# Rounding of a value that goes to zero, relative to its start.
+# Rounding error of a value that decreases to zero, relative to its start.
 _ROUNDING = 1e-15
-# Most periods of the look-ahead, which ends with the acceleration.
+# Largest number of periods of the look-ahead, which ends at the rest point.
 _MOST_AHEAD = 100000
 
 
 @inline
 def _periods(way):
-    """Return the acceleration, in jerk times period, for a distance in jerk times period^2."""
+    """Return the acceleration (of jerk times period) for a distance (of jerk times period^2)."""
     whole = math.floor(0.5 * (math.sqrt(8.0 * way + 1.0) - 1.0))
     return (way + 0.5 * whole * (whole + 1.0)) / (whole + 1.0)
 
 
 @inline
 def _aim(v, a, target, axes, period, out):
-    """Write the first acceleration towards a rest point; return whether limits allow it."""
+    """Write the first acceleration towards a rest point; return whether it is allowed."""
     way = 0.0
     for i in range(3):
         way = max(way, abs(target[i] - v[i]) / (axes[JERK, i] * period * period))
@@ -70,9 +70,9 @@ def _aim(v, a, target, axes, period, out):
 
 @inline
 def _steer(pivots, v, new):
-    """Turn wheels to the direction of their pivots' motion; return whether a period suffices.
+    """Steer wheels along the velocities of their pivots; return whether a period suffices.
 
-    ``new`` (s, 3) takes angle, cosine and sine.
+    ``new`` (s, 3) has angle, cosine and sine, and is updated.
     """
     size = v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
     for k in range(pivots.shape[0]):
@@ -98,7 +98,7 @@ def _steer(pivots, v, new):
 
 @inline
 def _next_twist(v, a, target, axes, period, out):
-    """Write the twist after a period; it ends on the target where one period's jerk suffices."""
+    """Write the twist after a period: the target itself, if the jerk of one period suffices."""
     way = 0.0
     for i in range(3):
         way = max(way, abs(target[i] - v[i]) / (axes[JERK, i] * period * period))
@@ -108,7 +108,7 @@ def _next_twist(v, a, target, axes, period, out):
 
 @inline
 def _steering_holds(v, a, target, axes, period, pivots, ahead, twist, gain):
-    """Return whether wheels can follow up to the rest point, with the acceleration a."""
+    """Return whether the wheels can follow the motion from acceleration a to the rest point."""
     for k in range(pivots.shape[0]):
         ahead[k, 0], ahead[k, 1], ahead[k, 2] = pivots[k, ANGLE], pivots[k, COSINE], pivots[k, SINE]
     for i in range(3):
@@ -125,7 +125,7 @@ def _steering_holds(v, a, target, axes, period, pivots, ahead, twist, gain):
 
 @inline
 def _aligned(pivots, command):
-    """Turn wheels at rest towards a command; return whether they were already there."""
+    """Steer wheels at rest towards a command; return whether they had its directions already."""
     size = command[0] ** 2 + command[1] ** 2 + command[2] ** 2
     ready = True
     for k in range(pivots.shape[0]):
@@ -136,7 +136,7 @@ def _aligned(pivots, command):
         change = math.atan2(
             pivots[k, COSINE] * y - pivots[k, SINE] * x, pivots[k, COSINE] * x + pivots[k, SINE] * y
         )
-        # The same line, in the nearer sense within limits.
+        # Both senses of a wheel are equivalent: use the nearest angle within limits.
         turned = pivots[k, ANGLE] + change
         best = math.inf
         for half in range(-2, 3):
@@ -166,7 +166,7 @@ def _towards(rest, goal, share, target):
 
 @inline
 def _largest_share(v, a, rest, goal, axes, period, pivots, work):
-    """Find the fraction of its path to a goal that the rest point can move in this period."""
+    """Return the fraction of its path to a goal that the rest point can move in this period."""
     target, gain, ahead = work[0], work[1], work[4:]
     most = 1.0
     for i in range(3):
@@ -193,9 +193,9 @@ def _largest_share(v, a, rest, goal, axes, period, pivots, work):
 
 @inline
 def _stuck_for_good(v, a, rest, goal, axes, period, pivots, work):
-    """Return whether steering blocks the rest point even once the base is there.
+    """Return whether steering still blocks the rest point after the base has reached it.
 
-    While an acceleration is reduced, jerk may forbid now what it allows later.
+    While the acceleration decreases, jerk may forbid a move that it allows later.
     """
     later, room = scratch(50, PIVOT_COLUMNS)[: pivots.shape[0]], scratch(64, 3)[: work.shape[0]]
     gain, ahead = work[1], work[4:]
@@ -213,9 +213,9 @@ def _stuck_for_good(v, a, rest, goal, axes, period, pivots, work):
 
 @inline
 def _turned_round(v, goal, pivots):
-    """Return whether a wheel would turn by more than a right angle between two twists.
+    """Return whether a wheel would be steered by more than a right angle between two twists.
 
-    It rolls the other way sooner, after a stop; straight through rest it does so without a turn.
+    After a stop, it is faster to reverse its rolling; exactly opposite twists need no steering.
     """
     size = v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
     for k in range(pivots.shape[0]):
@@ -240,7 +240,7 @@ def _still(v, a):
 
 @inline
 def _advance(state, command, axes, forward, period, pivots, work):
-    """Move the state by a period."""
+    """Advance the state by a period."""
     v, a, rest = state[0], state[1], state[2]
     goal = work[work.shape[0] - 1]
     for i in range(3):
@@ -250,7 +250,7 @@ def _advance(state, command, axes, forward, period, pivots, work):
             return
         if not _aligned(pivots, goal):
             return
-    # A base with limits of curvature changes its direction at rest only.
+    # A base with limited curvature reverses only at rest.
     wanted = forward[0] * goal[0] + forward[1] * goal[1] + forward[2] * goal[2]
     now = forward[0] * v[0] + forward[1] * v[1] + forward[2] * v[2]
     then = forward[0] * rest[0] + forward[1] * rest[1] + forward[2] * rest[2]
@@ -268,7 +268,7 @@ def _advance(state, command, axes, forward, period, pivots, work):
     target, gain, twist = work[0], work[1], work[2]
     _towards(rest, goal, share, target)
     for i in range(3):
-        # An axis that has to stop before it turns round does so exactly.
+        # An axis that must stop before it reverses stops exactly.
         crossing = v[i] * goal[i] < 0.0 or rest[i] * goal[i] < 0.0
         if axes[STOPS, i] != 0.0 and crossing and abs(target[i]) <= _ROUNDING * abs(goal[i]):
             target[i] = 0.0
@@ -286,13 +286,13 @@ def _advance(state, command, axes, forward, period, pivots, work):
 
 @kernel(i8(IN2, IN2, IN1, OUT2, OUT2, OUT2, OUT2))
 def limited_stream(commands, axes, forward, pivots, state, twists, angles):
-    """Follow commands (n, 3), twists that the base may have (rad/s, m/s), one a period.
+    """Follow commands (n, 3), one allowed twist (rad/s, m/s) per period.
 
-    ``axes`` (6, 3) are limits (per s^2 and s^3), and flags; ``forward`` (4,) what gives the
-    velocity forward of a twist, zero for bases that may go anywhere, and the period (s).  The
-    state of the steered wheels in ``pivots`` (s, PIVOT_COLUMNS) (m, rad) is changed, and so is the
-    ``state`` (3, 3): twist, acceleration, rest point.  Filled are ``twists`` (n, 3) and ``angles``
-    (n, s), the steering angles (rad), with those after each period.
+    ``axes`` (6, 3) are limits (per s^2 and s^3), and flags.  ``forward`` (4,) has the coefficients
+    of the forward velocity of a twist, zero without limited curvature, and the period (s).  The
+    state of steered wheels in ``pivots`` (s, PIVOT_COLUMNS) (m, rad) and the ``state`` (3, 3),
+    twist, acceleration and rest point, are updated.  ``twists`` (n, 3) and ``angles`` (n, s), the
+    steering angles (rad), receive the values after each period.
     """
     work = scratch(64, 3)[: pivots.shape[0] + 5]
     for n in range(commands.shape[0]):

@@ -1,1 +1,1 @@
-"""The look-ahead of the servo."""
+"""Look-ahead of the servo."""

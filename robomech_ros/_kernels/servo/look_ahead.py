@@ -1,19 +1,19 @@
-"""Motions along a path of the joints, and a check of the cubics between knots."""
+"""Sampling of a joint path, and check of limits of the cubics between knots."""
 
 from robomech_ros._kernels.compiling.jit import kernel
 from robomech_ros._kernels.compiling.types import IN1, IN2, IOUT1, OUT2, i8
 
-# Duration (s) of the jerk of a controller's acceleration step.
+# Period (s) of a controller, over which a step of acceleration counts as jerk.
 CYCLE = 2e-3
 
 
 @kernel(i8(IN1, IN2, IN2, IN1, IN1, OUT2, OUT2))
 def postures_on_path(nodes, postures, slopes, places, rates, q, v):
-    """Write positions and rates q and v (k, n) of the joints on a path.
+    """Write positions q and rates v (k, n) of the joints on a path of cubics.
 
-    ``nodes`` (s,) are places along the way, increasing, and ``postures`` and ``slopes`` (s, n)
-    those of the joints there, and by place; a cubic leads from each to the next.  ``places`` and
-    ``rates`` (k,) are where on the way, and how that changes; places do not decrease.
+    ``nodes`` (s,) are increasing path coordinates, and ``postures`` and ``slopes`` (s, n) the
+    positions there and their derivatives by the coordinate.  ``places`` (k,) are the sampled
+    coordinates, which do not decrease, and ``rates`` (k,) their time derivatives.
     """
     count, joints = postures.shape
     i = 0
@@ -38,14 +38,14 @@ def postures_on_path(nodes, postures, slopes, places, rates, q, v):
 
 @kernel(i8(IN1, IN2, IN2, IN2, IN2, IOUT1))
 def cubics_inside(widths, q, v, reached, limits, out):
-    """Check that cubics between knots keep limits: 0, or 1 for rates, 2 for ranges.
+    """Check that cubics between knots are within limits: return 0, 1 for rates, or 2 for ranges.
 
-    The control points of a cubic, and of its derivatives, bound it.  What ends with no velocity
-    rests from then on.  ``widths`` (k - 1,) are times between knots (s), q and v (k, n) positions
-    and velocities there (rad or m, and per s), and ``reached`` (2, n) acceleration and jerk with
-    which the first one was reached (per s^2 and s^3).  ``limits`` (5, n) are lower and upper ends
-    of ranges; largest velocities, accelerations and jerks.  ``out`` (n,) is filled with 1 for
-    joints that leave their ranges, if rates are kept, else 0.
+    The control points of a cubic, and of its derivatives, bound it.  A joint with final velocity 0
+    rests afterwards.  ``widths`` (k - 1,) are times between knots (s), q and v (k, n) positions
+    and velocities there (rad or m, and per s), and ``reached`` (2, n) acceleration and jerk just
+    before the first knot (per s^2 and s^3).  ``limits`` (5, n) are smallest and largest positions,
+    and largest velocities, accelerations and jerks.  ``out`` (n,) receives 1 for joints that leave
+    their ranges, and 0 for others, if rates are within limits.
     """
     status = 0
     for j in range(q.shape[1]):
@@ -55,7 +55,7 @@ def cubics_inside(widths, q, v, reached, limits, out):
             h, first, last = widths[k], v[k, j], v[k + 1, j]
             middle = 3.0 * (q[k + 1, j] - q[k, j]) / h - first - last
             start, end = 2.0 * (middle - first) / h, 2.0 * (last - middle) / h
-            # A change at a knot counts as one in a cycle of the controller.
+            # A step of acceleration at a knot counts as a change within one period.
             jerk, kink = (end - start) / h, (start - before) / CYCLE
             hardest = max(abs(jerk), abs(jerk + kink), abs(jerk_before + kink))
             before, jerk_before = end, jerk

@@ -1,4 +1,4 @@
-"""Rotations from one representation to another, composed and interpolated, many in one loop."""
+"""Conversion, composition and interpolation of many rotations."""
 
 import math
 
@@ -20,13 +20,13 @@ from robomech_ros._kernels.spatial.representations import (
 from robomech_ros._kernels.spatial.tolerances import UNIT_NORM
 from robomech_ros._kernels.spatial.vectors import sine_cosine
 
-# A status is the number of the row times this, plus what is wrong with it; 0 is none.
+# A status is the index of a row times this, plus its error code; 0 means no error.
 STATUSES = 4
 
 
 @lean
 def _exponentials(rows, out):
-    """Convert rotation vectors to matrices: a loop that need not look at kinds."""
+    """Convert rotation vectors to matrices, in a loop without tests of kinds."""
     for k in range(rows.shape[0]):
         x, y, z, w = quaternion_of_vector(rows[k, 0], rows[k, 1], rows[k, 2])
         if not abs(w) <= 2.0:
@@ -69,13 +69,13 @@ def convert(source, target, rows, out):
 
 @lean
 def _row_of(rows, k):
-    """Choose the row for item k: the only one, or the k-th."""
+    """Return the row for item k: the only one, or k."""
     return k if rows.shape[0] > 1 else 0
 
 
 @kernel(i8(i8, IN2, IN2, OUT2))
 def compose(kind, second, first, out):
-    """Compose rotations of one kind; one row serves for all of the other."""
+    """Compose rotations of one kind; if an operand has one row, this applies to all."""
     for k in range(out.shape[0]):
         status, x, y, z, w = decoded(kind, second, _row_of(second, k))
         if status != 0:
@@ -97,7 +97,7 @@ def compose(kind, second, first, out):
 
 @lean
 def _unit(rows, k):
-    """Return status and quaternion of row k, with norm 1."""
+    """Return status and unit quaternion of row k."""
     x, y, z, w = rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3]
     norm = math.sqrt(x * x + y * y + z * z + w * w)
     status = 0 if abs(norm - 1.0) <= UNIT_NORM else BAD_INPUT
@@ -106,7 +106,7 @@ def _unit(rows, k):
 
 @lean
 def _geodesic(start, goal):
-    """Angle between two quaternions, the short way, and the unit one at right angles to start."""
+    """Return the shorter angle between two quaternions, and a unit one orthogonal to start."""
     x, y, z, w = start
     a, b, c, d = goal
     if x * a + y * b + z * c + w * d < 0.0:
@@ -126,7 +126,7 @@ def _geodesic(start, goal):
 
 @kernel(i8(IN2, IN2, IN1, OUT2))
 def interpolate(start, goal, fraction, out):
-    """Turn at a constant rate from quaternions to quaternions, the short way."""
+    """Interpolate between quaternions along the shorter arc at a constant rate."""
     x, y, z, w = 0.0, 0.0, 0.0, 1.0
     angle, a, b, c, d = 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(out.shape[0]):

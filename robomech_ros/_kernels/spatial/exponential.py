@@ -26,10 +26,10 @@ from robomech_ros._kernels.spatial.vectors import (
 )
 from robomech_ros._kernels.tolerances import ROTATION_ERROR
 
-# Squares of angles below which series are summed: there the closed forms cancel.
+# Squared angle below which series replace closed forms, in which digits cancel.
 _SERIES = 1.0
 _TERMS = 11
-# 2 zeta(2 k) / (2 pi)^(2 k) for k from 1: that of x/2 cot(x/2).
+# Coefficients 2 zeta(2 k) / (2 pi)^(2 k), from k = 1, of the series of x/2 cot(x/2).
 _COTANGENT = tuple(
     abs_b / math.factorial(2 * k)
     for k, abs_b in enumerate(
@@ -46,7 +46,7 @@ _ODD = tuple((-1.0) ** k / math.factorial(2 * k + 3) for k in range(_TERMS))
 
 @lean
 def _summed(coefficients, x):
-    """Value and derivative of a power series."""
+    """Return value and derivative of a power series."""
     value = slope = 0.0
     for k in range(_TERMS - 1, -1, -1):
         slope = slope * x + value
@@ -56,7 +56,7 @@ def _summed(coefficients, x):
 
 @lean
 def turn_factors(x):
-    """``(1 - cos)/t^2`` and ``(t - sin)/t^3`` of an angle t, and their derivatives by x = t^2."""
+    """Return ``(1 - cos)/t^2`` and ``(t - sin)/t^3`` of t, and their derivatives by x = t^2."""
     if x < _SERIES:
         a, da = _summed(_EVEN, x)
         b, db = _summed(_ODD, x)
@@ -70,7 +70,7 @@ def turn_factors(x):
 
 @lean
 def inverse_factors(x):
-    """``(1 - t/2 cot(t/2)) / t^2`` of an angle t, and its derivative by x = t^2."""
+    """Return ``(1 - t/2 cot(t/2)) / t^2`` of an angle t, and its derivative by x = t^2."""
     if x < _SERIES:
         return _summed(_COTANGENT, x)
     half = 0.5 * math.sqrt(x)
@@ -96,7 +96,7 @@ def _write_pose(x, y, z, w, p, out, k):
 
 @kernel(i8(IN2, OUT2))
 def exponentials(rows, out):
-    """Poses (m, 16) of screw vectors (m, 6)."""
+    """Write the poses (m, 16) of screw vectors (m, 6)."""
     for k in range(rows.shape[0]):
         turn = rows[k, 0], rows[k, 1], rows[k, 2]
         x, y, z, w = quaternion_of_vector(turn[0], turn[1], turn[2])
@@ -127,7 +127,7 @@ def _read_pose(rows, k):
 
 @kernel(i8(IN2, OUT2))
 def logarithms(rows, out):
-    """Screw vectors (m, 6) of poses (m, 16)."""
+    """Write the screw vectors (m, 6) of poses (m, 16)."""
     for k in range(rows.shape[0]):
         status, x, y, z, w, p = _read_pose(rows, k)
         if status != 0:
@@ -147,7 +147,7 @@ def logarithms(rows, out):
 
 @lean
 def _write_block(rows, out, k, i, j):
-    """Write three rows of three numbers into a matrix of six columns from row i and column j."""
+    """Write a block (3, 3) to a matrix with six columns, from row i and column j on."""
     for r in range(3):
         at = 6 * (i + r) + j
         out[k, at], out[k, at + 1], out[k, at + 2] = rows[r]
@@ -155,7 +155,7 @@ def _write_block(rows, out, k, i, j):
 
 @kernel(i8(IN2, OUT2))
 def adjoints(rows, out):
-    """Matrices (m, 36) that express twists in another frame, of poses (m, 16)."""
+    """Write the adjoint matrices (m, 36) of poses (m, 16), which transform twists."""
     zero = 0.0, 0.0, 0.0
     for k in range(rows.shape[0]):
         status, x, y, z, w, p = _read_pose(rows, k)
@@ -179,7 +179,7 @@ def adjoints(rows, out):
 
 @kernel(i8(IN2, OUT2))
 def screws(rows, out):
-    """Axis, its point nearest to the origin, angle and displacement, (m, 8), of poses (m, 16)."""
+    """Write axis, its point nearest to the origin, angle and displacement (m, 8) of poses."""
     for k in range(rows.shape[0]):
         status, x, y, z, w, p = _read_pose(rows, k)
         if status != 0:
@@ -196,7 +196,7 @@ def screws(rows, out):
             axis = x / sine, y / sine, z / sine
             way = dot(axis, p)
             angle = vector_of_quaternion(0.0, 0.0, sine, w)[2]
-            # The component of p at right angles to the axis, then a quarter turn on.
+            # The component of p perpendicular to the axis, rotated by a quarter turn.
             aside = cross(axis, p)
             across = cross(aside, axis)
             point = scaled(combined(across, aside, w / sine), 0.5)
@@ -210,7 +210,7 @@ def screws(rows, out):
 
 @kernel(i8(IN2, OUT2))
 def poses_of_screws(rows, out):
-    """Poses (m, 16) of axis, point, angle and displacement (m, 8)."""
+    """Write the poses (m, 16) of screws: axis, point, angle and displacement (m, 8)."""
     for k in range(rows.shape[0]):
         norm = length(rows[k, 0], rows[k, 1], rows[k, 2])
         if not 0.0 < norm < math.inf:
@@ -218,7 +218,7 @@ def poses_of_screws(rows, out):
         e = rows[k, 0] / norm, rows[k, 1] / norm, rows[k, 2] / norm
         point = rows[k, 3], rows[k, 4], rows[k, 5]
         s, c = sine_cosine(0.5 * rows[k, 6])
-        # (1 - Q) p0 by half angles, which small turns leave all their digits.
+        # (1 - Q) p0 by half angles, which keep all digits of small rotations.
         moved = combined(scaled(cross(e, point), -2.0 * s * c), triple(e, point), -2.0 * s * s)
         p = combined(moved, e, rows[k, 7])
         if not abs(p[0]) + abs(p[1]) + abs(p[2]) < math.inf:

@@ -1,4 +1,4 @@
-"""Angular velocity and acceleration from the motion of points, and motion from noisy tracks."""
+"""Angular velocity and acceleration from the motion of points, and derivatives of noisy tracks."""
 
 import math
 
@@ -8,8 +8,8 @@ from robomech_ros._kernels.spatial.conversions import STATUSES
 from robomech_ros._kernels.spatial.rates import SINGULAR
 from robomech_ros._kernels.spatial.vectors import combined, cramer, cross, dot, scaled
 
-# Determinant of a matrix over the cube of its size below which it is singular: points within 3e-7
-# of their spread from a line.
+# Determinant over the cube of the size, below which a matrix is singular: points are on a line to
+# 3e-7 of their extent.
 _SINGULAR = 1e-13
 
 
@@ -28,7 +28,7 @@ def _mean(rows, k):
 
 @lean
 def _solved(one, two, three, size, right):
-    """Solve with a matrix of three columns, by their cross products; status and solution."""
+    """Return status and solution of [one two three] x = right by Cramer's rule."""
     volume, found = cramer(one, two, three, right)
     if not abs(volume) > _SINGULAR * size * size * size:
         return SINGULAR, (0.0, 0.0, 0.0)
@@ -37,10 +37,10 @@ def _solved(one, two, three, size, right):
 
 @lean
 def _columns(points, k, robust):
-    """Matrix of the problem, by columns, and its size."""
+    """Return the columns of the matrix for angular rates, and its size."""
     centre = _mean(points, k)
     if not robust:
-        # D = (tr(P) 1 - P) / 2, of the points as columns of P.
+        # D = (tr(P) 1 - P) / 2 with the points as columns of P.
         a = combined(_at(points, k, 0), centre, -1.0)
         b = combined(_at(points, k, 1), centre, -1.0)
         c = combined(_at(points, k, 2), centre, -1.0)
@@ -59,7 +59,7 @@ def _columns(points, k, robust):
 
 @lean
 def _right(points, vectors, spin, k, robust):
-    """Right-hand side: of velocities with no spin, else of accelerations less what spin gives."""
+    """Return the right-hand side from velocities, or from accelerations less those of `spin`."""
     centre, drift = _mean(points, k), _mean(vectors, k)
     total = (0.0, 0.0, 0.0)
     for i in range(points.shape[1]):
@@ -69,7 +69,7 @@ def _right(points, vectors, spin, k, robust):
         if robust:
             total = combined(total, cross(p, v), 1.0)
         elif i == 0:
-            # Half of the axial vector of the columns v.
+            # Half of the axial vector of the matrix with columns v.
             total = combined(total, (0.0, -0.5 * v[2], 0.5 * v[1]), 1.0)
         elif i == 1:
             total = combined(total, (0.5 * v[2], 0.0, -0.5 * v[0]), 1.0)
@@ -80,7 +80,7 @@ def _right(points, vectors, spin, k, robust):
 
 @kernel(i8(IN3, IN3, i8, OUT2))
 def velocities_of_points(points, velocities, robust, out):
-    """Angular velocities (k, 3) of points (k, m, 3) from their velocities."""
+    """Write angular velocities (k, 3) of points (k, m, 3) from their velocities."""
     for k in range(points.shape[0]):
         one, two, three, size = _columns(points, k, robust != 0)
         right = _right(points, velocities, (0.0, 0.0, 0.0), k, robust != 0)
@@ -93,7 +93,7 @@ def velocities_of_points(points, velocities, robust, out):
 
 @kernel(i8(IN3, IN3, IN3, i8, OUT2))
 def accelerations_of_points(points, velocities, accelerations, robust, out):
-    """Angular accelerations (k, 3) of points (k, m, 3) from velocities and accelerations."""
+    """Write angular accelerations (k, 3) of points (k, m, 3) from velocities and accelerations."""
     for k in range(points.shape[0]):
         one, two, three, size = _columns(points, k, robust != 0)
         right = _right(points, velocities, (0.0, 0.0, 0.0), k, robust != 0)
@@ -108,16 +108,16 @@ def accelerations_of_points(points, velocities, accelerations, robust, out):
 
 @lean
 def _weights(times, start, window, degree, at, out):
-    """Weights (3, window) of value and first two derivatives at a time, of a polynomial fit.
+    """Write the weights (3, window) of a polynomial fit for value and two derivatives at a time.
 
-    By polynomials that are orthonormal over the samples, which keep all digits at any degree.
+    Polynomials orthonormal over the samples keep all digits at any degree.
     """
     scale = 0.5 * (times[start + window - 1] - times[start])
     u0 = (times[at] - times[start]) / scale - 1.0
     for i in range(window):
         for d in range(3):
             out[d, i] = 0.0
-        # This polynomial and the one before it, at each sample.
+        # The current and the previous polynomial at each sample.
         out[3, i], out[4, i] = 1.0 / math.sqrt(window), 0.0
     now, now1, now2 = 1.0 / math.sqrt(window), 0.0, 0.0
     before, before1, before2 = 0.0, 0.0, 0.0
@@ -153,9 +153,9 @@ def _weights(times, start, window, degree, at, out):
 def fit_tracks(times, rows, window, degree, room, out, gains, squares):
     """Fit polynomials to the nearest samples of each time.
 
-    ``out`` (3, n, width) has values and first two derivatives of rows (n, width), ``gains`` (n, 3)
-    the squared sums of their weights, ``squares`` (n,) the squared differences from the values;
-    room (5, window).
+    ``out`` (3, n, width) receives values and two derivatives of rows (n, width), ``gains`` (n, 3)
+    the sums of their squared weights, and ``squares`` (n,) the squared residuals.  ``room``
+    (5, window) is working space.
     """
     count, width = rows.shape
     for k in range(count):

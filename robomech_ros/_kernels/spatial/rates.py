@@ -1,6 +1,6 @@
-"""Rates and second rates of the representations of a rotation, and angular motion from them.
+"""First and second derivatives of representations of a rotation, and angular motion from them.
 
-Angular velocity and acceleration are in the fixed frame, in which the rotation turns vectors.
+Angular velocity and acceleration are in the fixed frame.
 """
 
 import math
@@ -13,10 +13,10 @@ from robomech_ros._kernels.spatial.exponential import inverse_factors, turn_fact
 from robomech_ros._kernels.spatial.representations import BAD_INPUT, decoded, euler_axes
 from robomech_ros._kernels.spatial.vectors import combined, cross, dot, scaled, sine_cosine, triple
 
-# No rates give this angular velocity, or infinitely many do.
+# Status: no rates, or infinitely many, give this angular velocity.
 SINGULAR = 3
 
-# Below this sine of an angle its axis, or two of three Euler angles, cannot be told.
+# Sine of an angle below which its axis, or two of three Euler angles, are undetermined.
 _LEAST_SINE = 1e-14
 
 
@@ -47,7 +47,7 @@ def _quaternion_rates(r, r0, w, dw):
 
 @lean
 def _of_quaternion_rates(r, r0, first, first0):
-    """Angular velocity from r', r0'; with r'', r0'' it is the angular acceleration."""
+    """Return the angular velocity from r', r0', or the angular acceleration from r'', r0''."""
     part = combined(scaled(first, r0), cross(r, first), 1.0)
     return scaled(combined(part, r, -first0), 2.0)
 
@@ -101,7 +101,7 @@ def _vector_rates(v, w, dw, first, second, k):
 
 @lean
 def _euler_frame(kind, rows, k):
-    """Return the axes of the three turns, in a right-handed frame of axes i, j and 3."""
+    """Return the axes of the three rotations, in a right-handed frame of axes i, j and 3."""
     _, _, _, parity, proper, fixed = euler_axes(kind)
     first = rows[k, 2] if fixed else rows[k, 0]
     s1, c1 = sine_cosine(first)
@@ -135,7 +135,7 @@ def _euler_global(kind, v):
 
 @lean
 def _along(one, two, three, v):
-    """Components of a vector along three axes, the middle one at right angles to the others."""
+    """Return the components of a vector along three axes, the second orthogonal to the others."""
     normal = cross(one, two)
     volume = dot(normal, three)
     return dot(v, cross(two, three)) / volume, dot(v, two), dot(v, normal) / volume
@@ -143,7 +143,7 @@ def _along(one, two, three, v):
 
 @lean
 def _turning(one, two, three, a, b, c):
-    """Angular acceleration of constant rates a, b, c about axes that turn each other."""
+    """Return the angular acceleration of constant rates a, b, c about successive axes."""
     part = combined(scaled(cross(one, two), a * b), cross(one, three), a * c)
     return combined(part, cross(two, three), b * c)
 
@@ -164,7 +164,7 @@ def _euler_rates(kind, rows, k, w, dw, first, second):
 
 @lean
 def _one_rate(kind, rows, k, w, dw, first, second):
-    """Write both rates of row k; return the status."""
+    """Write both derivatives of row k; return the status."""
     status, x, y, z, r0 = decoded(kind, rows, k)
     if status != 0:
         return status
@@ -202,7 +202,7 @@ def _one_rate(kind, rows, k, w, dw, first, second):
 
 @kernel(i8(i8, IN2, IN2, IN2, OUT2, OUT2))
 def rates(kind, rows, velocity, acceleration, first, second):
-    """Rates and second rates of rows of a kind from angular velocity and acceleration."""
+    """Write both derivatives of rows of a kind from angular velocity and acceleration."""
     for k in range(rows.shape[0]):
         w = _vector(velocity, _one(velocity, k), 0)
         dw = _vector(acceleration, _one(acceleration, k), 0)
@@ -214,7 +214,7 @@ def rates(kind, rows, velocity, acceleration, first, second):
 
 @lean
 def _of_matrix_rates(rows, rate, k):
-    """Half the sum of the columns times their rates."""
+    """Return half the sum of the cross products of columns and their derivatives."""
     total = (0.0, 0.0, 0.0)
     for j in range(3):
         column = rows[k, j], rows[k, 3 + j], rows[k, 6 + j]
@@ -262,7 +262,7 @@ def _of_euler_rates(kind, rows, first, second, k):
 
 @lean
 def _of_rodrigues_rates(r, r0, first, second, k):
-    """``omega = 2 r0^2 (rho' + rho x rho')``, differentiated once more."""
+    """Return ``omega = 2 r0^2 (rho' + rho x rho')`` and its derivative."""
     ratio = scaled(r, 1.0 / r0)
     rate, change = _vector(first, k, 0), _vector(second, k, 0)
     factor = 2.0 * r0 * r0
@@ -273,7 +273,7 @@ def _of_rodrigues_rates(r, r0, first, second, k):
 
 @lean
 def _of_linear_invariant_rates(r, r0, first, second, k):
-    """By way of the rates of r and r0, from ``q = 2 r0 r`` and ``q0 = 2 r0^2 - 1``."""
+    """Return the angular motion from r, r0 and rates of ``q = 2 r0 r`` and ``q0 = 2 r0^2 - 1``."""
     rate0 = first[k, 3] / (4.0 * r0)
     change0 = (0.25 * second[k, 3] - rate0 * rate0) / r0
     rate = scaled(combined(_vector(first, k, 0), r, -2.0 * rate0), 0.5 / r0)
@@ -313,7 +313,7 @@ def _one_motion(kind, rows, first, second, k):
 
 @kernel(i8(i8, IN2, IN2, IN2, OUT2, OUT2))
 def angular_motions(kind, rows, first, second, velocity, acceleration):
-    """Angular velocity and acceleration from rows of a kind and their first two rates."""
+    """Write angular velocity and acceleration from rows of a kind and their two derivatives."""
     for k in range(rows.shape[0]):
         status, w, dw = _one_motion(kind, rows, first, second, k)
         largest = max(abs(w[0]), abs(w[1]), abs(w[2]), abs(dw[0]), abs(dw[1]), abs(dw[2]))

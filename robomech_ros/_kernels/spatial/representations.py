@@ -1,8 +1,8 @@
 """Unit quaternions from each representation of a rotation, and back.
 
-A row of numbers stands for a rotation as its kind says; quaternions have their scalar last.  All
-conversions meet in the quaternion, which is well conditioned at every angle: near a half turn its
-scalar, and near the identity its vector, has all its digits.
+A row of numbers represents a rotation, depending on its kind; quaternions have their scalar last.
+All conversions use the quaternion, which is well conditioned at every angle: near a half turn its
+scalar, and near the identity its vector, keeps all digits.
 """
 
 import math
@@ -19,26 +19,26 @@ AXIS_ANGLE = 2
 ROTATION_VECTOR = 3
 RODRIGUES_VECTOR = 4
 LINEAR_INVARIANTS = 5
-# Plus i + 3 j + 9 k for turns about the axes i, j, k, and 27 where the axes are fixed.
+# Plus i + 3 j + 9 k for rotations about the axes i, j, k, and 27 if the axes are fixed.
 EULER = 8
 
-# No rotation, or not finite: the caller finds out what is wrong.
+# Not a rotation, or not finite; the caller finds the cause.
 BAD_INPUT = 1
 # A half turn, which the representation cannot express.
 HALF_TURN = 2
 
-# Squared length for one of three angles, below which the other two are no longer
-# told apart; to take the third as 0 turns by twice the root of it.
+# Squared length below which the outer two Euler angles are indistinguishable.  Setting the third
+# to 0 then changes the rotation by at most twice the root of this.
 _LOCKED = 5e-31
-# Scalars below this are those of half turns: what is divided by them overflows.
+# A smaller scalar is that of a half turn: division by it overflows.
 _NOTHING = 1e-290
-# Below this angle (rad) the sine is the angle.
+# Below this angle (rad), the sine equals the angle.
 _TINY = 1e-140
 
 
 @lean
 def canonical(x, y, z, w):
-    """Choose the sign: scalar positive, else the first number that is not zero; no zero is -0."""
+    """Return the quaternion whose scalar, or else first nonzero number, is positive, without -0."""
     first = w
     if first == 0.0:
         first = x if x != 0.0 else (y if y != 0.0 else z)
@@ -49,7 +49,7 @@ def canonical(x, y, z, w):
 
 @lean
 def _orthonormalised(a, b, c, d, e, f, g, h, i):
-    """Take a matrix that is nearly a rotation nearer to its polar factor."""
+    """Return a matrix nearer to the polar factor of a matrix that is nearly a rotation."""
     xx = 1.5 - 0.5 * (a * a + d * d + g * g)
     yy = 1.5 - 0.5 * (b * b + e * e + h * h)
     zz = 1.5 - 0.5 * (c * c + f * f + i * i)
@@ -71,16 +71,16 @@ def _orthonormalised(a, b, c, d, e, f, g, h, i):
 
 @lean
 def quaternion_of_matrix(a, b, c, d, e, f, g, h, i):
-    """Check a matrix, row by row, and give status and quaternion (Shepperd)."""
+    """Return status and quaternion of a matrix, row by row, by Shepperd's method."""
     error = max(abs(a * a + d * d + g * g - 1.0), abs(a * b + d * e + g * h))
     error = max(error, abs(b * b + e * e + h * h - 1.0), abs(a * c + d * f + g * i))
     error = max(error, abs(c * c + f * f + i * i - 1.0), abs(b * c + e * f + h * i))
     volume = a * (e * i - f * h) + b * (f * g - d * i) + c * (d * h - e * g)
-    # A NaN in any entry makes the volume one.
+    # A NaN in any entry makes the volume NaN.
     if not (error <= ROTATION_ERROR and volume > 0.0):
         return BAD_INPUT, 0.0, 0.0, 0.0, 1.0
     if error > ORTHOGONAL:
-        # Quadratic: 2e-4, 3e-8, 7e-16.
+        # Convergence is quadratic: 2e-4, 3e-8, 7e-16.
         a, b, c, d, e, f, g, h, i = _orthonormalised(a, b, c, d, e, f, g, h, i)
         a, b, c, d, e, f, g, h, i = _orthonormalised(a, b, c, d, e, f, g, h, i)
         a, b, c, d, e, f, g, h, i = _orthonormalised(a, b, c, d, e, f, g, h, i)
@@ -98,7 +98,7 @@ def quaternion_of_matrix(a, b, c, d, e, f, g, h, i):
 
 @lean
 def quaternion_of_vector(x, y, z):
-    """Quaternion of a rotation vector."""
+    """Return the quaternion of a rotation vector."""
     angle = length(x, y, z)
     if angle < _TINY:
         return 0.5 * x, 0.5 * y, 0.5 * z, 1.0
@@ -109,7 +109,7 @@ def quaternion_of_vector(x, y, z):
 
 @lean
 def vector_of_quaternion(x, y, z, w):
-    """Rotation vector, of length pi at most, of a canonical quaternion."""
+    """Return the rotation vector, at most pi long, of a canonical quaternion."""
     sine = length(x, y, z)
     factor = 2.0 if sine < _TINY else 2.0 * angle_of(sine, w) / sine
     return x * factor, y * factor, z * factor
@@ -131,7 +131,7 @@ def write_matrix(x, y, z, w, out, row):
 
 @lean
 def _of_quaternion(x, y, z, w):
-    """Check the norm of a quaternion and remove its rounding."""
+    """Return status and quaternion, normalised if the norm is 1 up to rounding."""
     norm = math.sqrt(x * x + y * y + z * z + w * w)
     if not abs(norm - 1.0) <= UNIT_NORM:
         return BAD_INPUT, 0.0, 0.0, 0.0, 1.0
@@ -149,7 +149,7 @@ def _of_axis_angle(x, y, z, angle):
 
 @lean
 def _of_rodrigues_vector(x, y, z):
-    """Quaternion of ``e tan(phi/2)``."""
+    """Return status and quaternion of ``e tan(phi/2)``."""
     tangent = length(x, y, z)
     if not tangent < math.inf:
         return BAD_INPUT, 0.0, 0.0, 0.0, 1.0
@@ -163,7 +163,7 @@ def _of_rodrigues_vector(x, y, z):
 
 @lean
 def _of_linear_invariants(x, y, z, q0):
-    """Quaternion of ``e sin(phi)`` and ``cos(phi)``."""
+    """Return status and quaternion of ``e sin(phi)`` and ``cos(phi)``."""
     sine = length(x, y, z)
     norm = math.sqrt(sine * sine + q0 * q0)
     if not abs(norm - 1.0) <= UNIT_NORM:
@@ -181,10 +181,10 @@ def _of_linear_invariants(x, y, z, q0):
 
 @lean
 def euler_axes(kind):
-    """Axes i and j, the axis that is neither, their parity; whether k is i; whether fixed.
+    """Return axes i and j, the third axis, their parity, whether k is i, and whether all are fixed.
 
-    Turns about fixed axes are those about moving ones in the opposite order, so i is then the
-    axis of the last turn.
+    Rotations about fixed axes are those about moving axes in the opposite order, so i is then the
+    axis of the last rotation.
     """
     code = kind - EULER
     i, j, k, fixed = code % 3, code // 3 % 3, code // 9 % 3, code // 27 > 0
@@ -197,7 +197,7 @@ def euler_axes(kind):
 
 @lean
 def _placed(i, j, at_i, at_j, at_other):
-    """Put the components along axes i, j and the third one into the order x, y, z."""
+    """Return components along axes i, j and the third axis in the order x, y, z."""
     x = at_i if i == 0 else (at_j if j == 0 else at_other)
     y = at_i if i == 1 else (at_j if j == 1 else at_other)
     z = at_i if i == 2 else (at_j if j == 2 else at_other)
@@ -265,7 +265,7 @@ def _write_euler_angles(kind, x, y, z, w, out, row):
     at_j = x if j == 0 else (y if j == 1 else z)
     at_other = parity * (x if other == 0 else (y if other == 1 else z))
     if proper:
-        # (a, b): cosine and sine of half the difference of first and third angle; (c, d): sum.
+        # (a, b): cosine and sine of half the difference of outer angles; (c, d): of half their sum.
         a, b, c, d = at_j, at_other, w, at_i
     else:
         a, b, c, d = w - at_j, at_i - at_other, w + at_j, at_i + at_other
@@ -277,8 +277,8 @@ def _write_euler_angles(kind, x, y, z, w, out, row):
             2.0 * (w * at_j + at_i * at_other), math.sqrt(differing) * math.sqrt(summed)
         )
     half_difference, half_sum = angle_of(b + 0.0, a + 0.0), angle_of(d + 0.0, c + 0.0)
-    # If the outer axes are parallel only one of them is determined; the third angle is 0, and
-    # of fixed axes the third is the first here.
+    # If the outer axes are parallel, only one angle is determined; the third is 0.  With fixed
+    # axes, that is the first here.
     sign = -1.0 if fixed else 1.0
     if differing < _LOCKED:
         half_difference = sign * half_sum

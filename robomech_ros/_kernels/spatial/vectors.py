@@ -4,10 +4,10 @@ import math
 
 from robomech_ros._kernels.compiling.jit import flat, lean
 
-# Beyond these, squares of lengths over- or underflow.
+# Lengths outside this range have squares that over- or underflow.
 _SMALL = 1e-140
 _LARGE = 1e140
-# pi / 2 in three parts, of which the first two have 33 bits.
+# Three parts of pi / 2; the first two have 33 bits.
 _HALF_PI_1 = 1.57079632673412561417e00
 _HALF_PI_2 = 6.07710050630396597660e-11
 _HALF_PI_3 = 2.02226624879595063154e-21
@@ -18,31 +18,31 @@ _REDUCED = 1e5
 
 @lean
 def cross(a, b):
-    """Product a x b."""
+    """Return the vector product a x b."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 @lean
 def dot(a, b):
-    """Product a . b."""
+    """Return the scalar product a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @lean
 def scaled(a, factor):
-    """Product of a vector and a number."""
+    """Return the product of a vector and a number."""
     return a[0] * factor, a[1] * factor, a[2] * factor
 
 
 @lean
 def combined(a, b, factor):
-    """Sum a + factor b."""
+    """Return a + factor b."""
     return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
 
 
 @lean
 def triple(a, b):
-    """Product a x (a x b)."""
+    """Return a x (a x b)."""
     return cross(a, cross(a, b))
 
 
@@ -55,19 +55,19 @@ def cramer(a, b, c, d):
 
 @lean
 def upper(A, i):
-    """First three numbers of a column."""
+    """Return the first three numbers of column i."""
     return A[0, i], A[1, i], A[2, i]
 
 
 @lean
 def lower(A, i):
-    """Last three numbers of a column of six."""
+    """Return the last three numbers of column i of six."""
     return A[3, i], A[4, i], A[5, i]
 
 
 @flat
 def mixed(v, a, b, c):
-    """Sum of three vectors, each times its part of v."""
+    """Return the linear combination of three vectors with the components of v."""
     x, y, z = v[0], v[1], v[2]
     return (
         x * a[0] + y * b[0] + z * c[0],
@@ -78,7 +78,7 @@ def mixed(v, a, b, c):
 
 @flat
 def product(A, B):
-    """Product of two matrices of three rows."""
+    """Return the product of two matrices, each as three rows."""
     return (
         mixed(A[0], B[0], B[1], B[2]),
         mixed(A[1], B[0], B[1], B[2]),
@@ -88,7 +88,7 @@ def product(A, B):
 
 @flat
 def rotated(rows, k, v):
-    """Product R v; R stands in rows of four numbers from entry k on."""
+    """Return R v for R in rows of four numbers from entry k on."""
     x, y, z = v
     return (
         rows[k] * x + rows[k + 1] * y + rows[k + 2] * z,
@@ -99,7 +99,7 @@ def rotated(rows, k, v):
 
 @flat
 def rotated_back(rows, k, v):
-    """Product of v and the transpose of such an R."""
+    """Return R^T v for R in rows of four numbers from entry k on."""
     x, y, z = v
     return (
         rows[k] * x + rows[k + 4] * y + rows[k + 8] * z,
@@ -110,7 +110,7 @@ def rotated_back(rows, k, v):
 
 @flat
 def times(A, v):
-    """Product of a matrix (3, 3), or the rotation of a pose (4, 4), and a vector."""
+    """Return the product of a matrix (3, 3), or the rotation of a pose (4, 4), and a vector."""
     x, y, z = v
     return (
         A[0, 0] * x + A[0, 1] * y + A[0, 2] * z,
@@ -121,7 +121,7 @@ def times(A, v):
 
 @lean
 def length(x, y, z):
-    """Length of a vector; no square over- or underflows."""
+    """Return the length of a vector without over- or underflow of squares."""
     largest = max(abs(x), abs(y), abs(z))
     if _SMALL < largest < _LARGE:
         return math.sqrt(x * x + y * y + z * z)
@@ -133,14 +133,14 @@ def length(x, y, z):
 
 @lean
 def sine_cosine(angle):
-    """Sine and cosine, to one unit in the last place, in half of the time of the two.
+    """Return sine and cosine to one unit in the last place, in half the time of two calls.
 
     The polynomials for a quarter turn are those of fdlibm.
     """
     if not abs(angle) < _REDUCED:
         return math.sin(angle), math.cos(angle)
     quarters = angle * _TWO_OVER_PI
-    # Symmetric, and pi / 4 itself is not reduced.
+    # Rounding is symmetric, and pi / 4 itself is not reduced.
     count = math.copysign(math.ceil(abs(quarters) - 0.5), quarters)
     high = angle - count * _HALF_PI_1
     low = count * _HALF_PI_2

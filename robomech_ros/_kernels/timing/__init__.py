@@ -1,1 +1,1 @@
-"""Piecewise polynomials in time, and the speed along a path."""
+"""Piecewise polynomials in time, and time-optimal speed along a path."""

@@ -1,4 +1,4 @@
-"""Largest squares of the speed along a path within limits of speeds, all along every cell."""
+"""Largest squared speed along a path within limits of joint speeds, throughout every cell."""
 
 import numpy as np
 
@@ -6,14 +6,13 @@ from robomech_ros._kernels.algebra.bernstein import to_bernstein
 from robomech_ros._kernels.compiling.jit import inline, kernel
 from robomech_ros._kernels.compiling.types import IN1, IN3, OUT1, OUT3, i8
 
-# The bounds of x at neighbouring nodes differ by this factor at most: where no joint moves there
-# is no bound at all.
+# Largest ratio of the bounds of x at neighbouring nodes: without joint motion, x has no bound.
 STEEPEST = 4.0
 
 
 @inline
 def _square_peak(rate, size, x0, x1, theta, product):
-    """Bound rate(sigma)^2 x(sigma) on [0, 1] by its largest Bernstein coefficient."""
+    """Return a bound of rate(sigma)^2 x(sigma) on [0, 1]: its largest Bernstein coefficient."""
     degree = 2 * size
     bend = 0.5 * theta * (x0 + x1)
     slope = x1 - x0 + bend
@@ -36,9 +35,9 @@ def _square_peak(rate, size, x0, x1, theta, product):
 def joint_rates(local, spans, scales, rates):
     """Write the derivatives q' of the joints over their speed limits.
 
-    ``local`` (m, n, d + 1) is as `local_path` gives it, ``spans`` (m,) the length of each cell,
-    and ``scales`` (n,) one over the speed limit of each joint.  ``rates`` (m, n, d) are filled
-    with powers of sigma, lowest first.
+    ``local`` (m, n, d + 1) comes from `local_path`, ``spans`` (m,) are lengths of cells, and
+    ``scales`` (n,) inverse speed limits of joints.  ``rates`` (m, n, d) receives coefficients of
+    powers of sigma, lowest first.
     """
     for k in range(local.shape[0]):
         for j in range(local.shape[1]):
@@ -51,7 +50,7 @@ def joint_rates(local, spans, scales, rates):
 
 @inline
 def _bound_at_nodes(rates, bounds):
-    """Lower the bounds until all rates keep to 1 at the nodes."""
+    """Lower the bounds until no rate exceeds 1 at a node."""
     for k in range(rates.shape[0]):
         left, right = 0.0, 0.0
         for j in range(rates.shape[1]):
@@ -68,10 +67,10 @@ def _bound_at_nodes(rates, bounds):
 
 @kernel(i8(IN3, IN1, OUT1))
 def speed_bounds(rates, thetas, bounds):
-    """Lower ``bounds`` (m + 1,) of x at the nodes until ``rate^2 x <= 1`` all along the cells.
+    """Lower ``bounds`` (m + 1,) of x at the nodes until ``rate^2 x <= 1`` throughout the cells.
 
     ``rates`` (m, l, c) are derivatives by the path coordinate over their speed limits, in powers
-    of sigma, and ``thetas`` (m,) the bend of each cell.
+    of sigma, and ``thetas`` (m,) the bends of the cells.
     """
     cells, size = rates.shape[0], rates.shape[2]
     _bound_at_nodes(rates, bounds)

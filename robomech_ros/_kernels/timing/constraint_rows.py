@@ -1,15 +1,15 @@
-r"""Limits of accelerations and torques along a path as rows that hold all along every cell.
+r"""Limits of accelerations and torques along a path, as rows valid throughout every cell.
 
-The path coordinate is cut into cells, in which the square x of the speed is
+The path coordinate is divided into cells, in which the squared speed is
 
 .. math::
 
     x(\sigma) = x_0 (1 - \sigma) + x_1 \sigma + \theta \frac{x_0 + x_1}{2} \sigma (1 - \sigma),
     \qquad 0 \le \sigma \le 1
 
-with a bend theta that is known beforehand.  Then everything that is linear in x and in the
-acceleration x'/2 along the path is a polynomial of sigma with coefficients linear in the values
-x_0 and x_1 at the ends of the cell, and its Bernstein coefficients bound it in between, too.
+with a known bend theta.  Then quantities linear in x and in the acceleration x'/2 along the path
+are polynomials of sigma with coefficients linear in the values x_0 and x_1 at the ends of the cell.
+Their Bernstein coefficients bound them in between, too.
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ from robomech_ros._kernels.compiling.types import IN1, IN3, OUT2, OUT3, i8
 
 @inline
 def _write_rows(a, size_a, b, size_b, theta, span, scale, degree, first, second):
-    """Write a(sigma) x'/2 + b(sigma) x, times `scale`, as rows for x at both ends of the cell."""
+    """Write a(sigma) x'/2 + b(sigma) x, times `scale`, as rows in x_0 and x_1."""
     for k in range(degree + 1):
         first[k] = 0.0
         second[k] = 0.0
@@ -49,11 +49,11 @@ def _write_rows(a, size_a, b, size_b, theta, span, scale, degree, first, second)
 
 @kernel(i8(IN1, IN3, IN1, OUT3))
 def local_path(breaks, coefficients, nodes, local):
-    """Write the path cell by cell, in powers of the coordinate since the cell's beginning.
+    """Write the path in each cell, in powers of the coordinate from the start of the cell.
 
-    ``breaks`` (s + 1,) are path coordinates where its pieces begin and end, ``coefficients`` (d +
-    1, s, n) its pieces, lowest power first, and ``nodes`` (m + 1,) where the cells begin and end,
-    the breaks among them.  Filled is ``local`` (m, n, d + 1).
+    ``breaks`` (s + 1,) are the ends of the path's pieces, ``coefficients`` (d + 1, s, n) the
+    pieces, lowest power first, and ``nodes`` (m + 1,) the ends of the cells, which include the
+    breaks.  ``local`` (m, n, d + 1) is written.
     """
     size = coefficients.shape[0]
     piece = 0
@@ -73,11 +73,11 @@ def local_path(breaks, coefficients, nodes, local):
 
 @kernel(i8(IN3, IN1, IN1, IN1, OUT2, OUT2))
 def joint_rows(local, spans, thetas, scales, first, second):
-    """Write the accelerations q' x'/2 + q'' x of the joints over their limits, as rows.
+    """Write the accelerations q' x'/2 + q'' x of the joints over their limits as rows.
 
-    ``local`` (m, n, d + 1) is as `local_path` gives it, ``spans`` and ``thetas`` (m,) are length
-    and bend of each cell, and ``scales`` (n,) one over the limit of each joint.  Of ``first`` and
-    ``second`` (m, r) the first n (d + 1) columns are filled, d + 1 for each joint.
+    ``local`` (m, n, d + 1) comes from `local_path`, ``spans`` and ``thetas`` (m,) are lengths and
+    bends of cells, and ``scales`` (n,) inverse limits of joints.  The first n (d + 1) columns of
+    ``first`` and ``second`` (m, r) are written, d + 1 for each joint.
     """
     degree = local.shape[2] - 1
     rate = np.empty(degree)
@@ -90,15 +90,15 @@ def joint_rows(local, spans, thetas, scales, first, second):
                 power *= span
             to_bernstein(rate, degree - 1)
             start = j * (degree + 1)
-            # The rows in Bernstein form: products with the linear x'/2 and the quadratic x, whose
-            # middle coefficient at either end is (1 + half) / 2.
+            # Bernstein products with the linear x'/2 and the quadratic x, whose middle coefficient
+            # for each end is (1 + half) / 2.
             scale = scales[j] / (degree * span)
             left, right = 0.0, 0.0
             for i in range(degree + 1):
                 here = rate[i] if i < degree else 0.0
                 before = rate[i - 1] if i > 0 else 0.0
                 slow, fast = 0.5 * (degree - i) * here, 0.5 * i * before
-                # q'' times the length of the cell, over degree - 1, is the step of the rates.
+                # The step of the rates is q'' times the length of the cell over degree - 1.
                 right = rate[i + 1] - here if i + 1 < degree else 0.0
                 middle = left
                 left = right
@@ -116,11 +116,11 @@ def joint_rows(local, spans, thetas, scales, first, second):
 
 @kernel(i8(IN3, IN3, IN3, IN1, IN1, i8, OUT2, OUT2, OUT2))
 def other_rows(a, b, c, spans, thetas, start, first, second, rest):
-    """Write a x'/2 + b x + c as rows, from column ``start`` on: 7 for each of the l quantities.
+    """Write a x'/2 + b x + c as rows, from column ``start`` on: 7 for each of l quantities.
 
-    All three (m, l, 5) are quartics in every cell: powers of sigma, lowest first, scaled so that
-    -1 and 1 are the limits.  ``spans`` and ``thetas`` (m,) are length and bend of each cell;
-    filled are ``first``, ``second`` and ``rest`` (m, r).
+    a, b and c (m, l, 5) are quartics in every cell: powers of sigma, lowest first, scaled to limits
+    of -1 and 1.  ``spans`` and ``thetas`` (m,) are lengths and bends of cells.  ``first``,
+    ``second`` and ``rest`` (m, r) are written.
     """
     for k in range(a.shape[0]):
         for j in range(a.shape[1]):

@@ -1,6 +1,6 @@
-"""Largest speed along a path, cell by cell, within rows of limits: two passes over all cells.
+"""Largest speed along a path within rows of limits, by two passes over all cells.
 
-The rows of `time_rows` are linear in the squares of the speed at both ends of a cell.
+The rows of :mod:`.constraint_rows` are linear in the squared speeds at both ends of a cell.
 
 References
 ----------
@@ -16,13 +16,13 @@ from robomech_ros._kernels.timing.planar_program import ROW_SLACK, farthest
 
 # Results of the passes.
 DONE, BLOCKED, STALLED = 0, 1, 2
-# Largest distance of a binding row from its bound.
+# Least magnitude of a binding row, whose bound is 1.
 _BINDING = 0.999
 
 
 @inline
 def _next(first, second, rest, x, lowest, highest):
-    """Find the largest x_1 in [lowest, highest] that the rows allow after x_0 = x."""
+    """Return the largest x_1 in [lowest, highest] allowed by the rows for x_0 = x."""
     low, high = lowest, highest
     for i in range(first.shape[0]):
         slope = second[i]
@@ -37,14 +37,14 @@ def _next(first, second, rest, x, lowest, highest):
                 high = (-1.0 - value) / slope
             if value + slope * low > 1.0 + ROW_SLACK:
                 low = (1.0 - value) / slope
-    # The range is empty only by rounding.
+    # An empty range is due to rounding errors.
     found = high if high >= low else 0.5 * (low + high)
     return max(lowest, min(highest, found))
 
 
 @inline
 def _scaled_down(first, second, x, y):
-    """Scale x_0 = x and x_1 = y until rows without rest allow them; return x_0."""
+    """Scale x_0 = x and x_1 = y until the rows allow them, without `rest`; return x_0."""
     largest = 1.0
     for i in range(first.shape[0]):
         largest = max(largest, abs(first[i] * x + second[i] * y))
@@ -53,7 +53,7 @@ def _scaled_down(first, second, x, y):
 
 @inline
 def _find_ranges(first, second, rest, order, bounds, end, lowest, highest, where):
-    """Fill the ranges of x that can still reach the end; False if there is none."""
+    """Write the ranges of x from which the end can be reached; return False if one is empty."""
     cells = first.shape[0]
     drift = rest.shape[0] == cells
     lowest[cells] = min(max(end, 0.0), bounds[cells])
@@ -80,17 +80,16 @@ def _find_ranges(first, second, rest, order, bounds, end, lowest, highest, where
 
 @kernel(i8(IN2, IN2, IN2, IN1, f8, f8, OUT1, OUT1, OUT1, IOUT1))
 def speed_profile(first, second, rest, bounds, begin, end, lowest, highest, x, where):
-    """Find the largest x at all nodes within the rows of the cells, from end to beginning and back.
+    """Find the largest x at all nodes within the rows of the cells, from end to start and back.
 
-    In cell k, with rows of ``first`` and ``second`` (m, r) and of ``rest`` (m, r), or (1, r) of
-    zeros where there is no drift, ``|first x_k + second x_k+1 + rest| <= 1``; ``bounds`` (m + 1,)
-    are the largest x at the nodes.  ``begin`` and ``end`` are the wanted x at both ends; negative
-    for any, and the nearest one possible at the beginning.
+    In cell k, ``|first x_k + second x_k+1 + rest| <= 1`` for rows of ``first``, ``second`` and
+    ``rest`` (m, r); the latter is (1, r) zeros without drift.  ``bounds`` (m + 1,) are the largest
+    x at the nodes.  ``begin`` and ``end`` are the required x at both ends, negative for any; the
+    nearest possible x is used at the start.
 
-    Filled are ``lowest`` and ``highest`` (m + 1,) with the range of x from which the end can be
-    reached, x (m + 1,), and ``where`` (1,) with the cell at fault.  Returns DONE; BLOCKED: no x
-    allows to pass a cell, or none that leads to the wanted end; STALLED: a cell is entered and
-    left at rest.
+    ``lowest`` and ``highest`` (m + 1,) receive the range of x from which the end can be reached,
+    x (m + 1,) the result, and ``where`` (1,) the cell of a failure.  Returns DONE; BLOCKED if no x
+    can pass a cell or lead to the required end; or STALLED if both ends of a cell are at rest.
     """
     cells, rows = first.shape
     drift = rest.shape[0] == cells
@@ -98,7 +97,7 @@ def speed_profile(first, second, rest, bounds, begin, end, lowest, highest, x, w
     if not _find_ranges(first, second, rest, order, bounds, end, lowest, highest, where):
         return BLOCKED
     if begin < 0.0:
-        # The largest next x counts; where x_0 binds as well, less of it may allow more of that.
+        # Maximise the next x; if x_0 is bounded as well, a smaller x_0 may allow a larger next x.
         row = rest[0]
         box = (lowest[1], highest[1], lowest[0], highest[0])
         reached = farthest(second[0], first[0], row, order, box, 1.0)
@@ -118,10 +117,9 @@ def speed_profile(first, second, rest, bounds, begin, end, lowest, highest, x, w
 def binding_rows(first, second, rest, bounds, x, owners, binding):
     """Find the binding quantity of each cell.
 
-    The first five arguments are as for `speed_profile`; ``owners`` (r,) say to which quantity each
-    row belongs, counted from 1.  ``binding`` (m,) is filled with the number of the quantity and
-    the sign of its bound; 0 where x is at its bounds instead, and a number of its own for each
-    cell where nothing binds all along.
+    The first five arguments are as for `speed_profile`; ``owners`` (r,) are the quantities, from 1,
+    to which the rows belong.  ``binding`` (m,) receives the quantity with the sign of its bound, 0
+    if x is at its bounds instead, or a unique number if nothing binds throughout the cell.
     """
     drift = rest.shape[0] == first.shape[0]
     for k in range(first.shape[0]):

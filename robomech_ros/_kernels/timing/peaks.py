@@ -1,8 +1,8 @@
-"""Extremes of piecewise polynomials and of their derivatives, between the ends of pieces as well.
+"""Extremes of piecewise polynomials and of their derivatives, also inside the pieces.
 
-On an interval a polynomial lies within the hull of its Bernstein coefficients, and the hull
-shrinks onto it quadratically as the interval is halved.  So the pieces whose hull cannot hold an
-extreme are passed over, and the few others are halved until the hull is as narrow as wanted.
+On an interval, a polynomial is within the range of its Bernstein coefficients, which converges to
+the polynomial quadratically as the interval is halved.  So pieces whose range cannot contain an
+extreme are skipped, and the few others are halved until the range is narrow enough.
 
 References
 ----------
@@ -18,12 +18,12 @@ from robomech_ros._kernels.algebra.bernstein import to_bernstein
 from robomech_ros._kernels.compiling.jit import inline, kernel, lean
 from robomech_ros._kernels.compiling.types import IN1, IN2, IN3, OUT2, b1, f8, i8
 
-# Peaks between samples are located to this part of the largest Bernstein coefficient.
+# Accuracy of extremes inside pieces, relative to the largest Bernstein coefficient.
 PEAK_ACCURACY = 1e-11
 
-# Most halvings: each narrows the hull four times, far below any tolerance.
+# Largest number of halvings; each narrows the range four times, so these exceed any accuracy.
 _HALVINGS = 24
-# Most intervals in one piece; a polynomial with three extremes needs a hundred.
+# Largest number of intervals in a piece; a polynomial with three extremes needs a hundred.
 _MOST = 2000
 # Derivative d of x^(i + d) is _FACTORS[d, i] x^i.
 _FACTORS = np.array([[float(math.perm(i + d, d)) for i in range(10)] for d in range(4)])
@@ -31,7 +31,7 @@ _FACTORS = np.array([[float(math.perm(i + d, d)) for i in range(10)] for d in ra
 
 @inline
 def _highest(control, degree, floor, accuracy, stack):
-    """Find the largest value on [0, 1] from Bernstein coefficients to an accuracy, or the floor."""
+    """Return the largest value on [0, 1] from Bernstein coefficients, but at least the floor."""
     for i in range(degree + 1):
         stack[0, i] = control[i]
     stack[0, degree + 1] = 0.0
@@ -50,7 +50,7 @@ def _highest(control, degree, floor, accuracy, stack):
         if depth >= _HALVINGS or step == _MOST - 1:
             floor = largest
             continue
-        # De Casteljau: the left half replaces the whole, the right half goes on top of it.
+        # De Casteljau: the left half replaces the interval, the right half is pushed on top.
         for i in range(degree + 1):
             control[i] = stack[count, i]
         for i in range(degree + 1):
@@ -68,7 +68,7 @@ def _highest(control, degree, floor, accuracy, stack):
 def _derivative(coefficients, k, j, order, span, scale, control):
     """Write a derivative of joint j in piece k, times a scale, in powers on [0, 1].
 
-    Returns the sum of the magnitudes, which no value exceeds.
+    Returns the sum of the magnitudes, which bounds all values.
     """
     power, largest = scale, 0.0
     control[0] = 0.0
@@ -81,7 +81,7 @@ def _derivative(coefficients, k, j, order, span, scale, control):
 
 @inline
 def _raised(coefficients, slack, control, stack, k, j, order, span, sign, best):
-    """Return the largest value of joint j in piece k, with a sign, or the best if it is less."""
+    """Return the largest value of joint j in piece k, times a sign, but at least `best`."""
     degree = max(coefficients.shape[0] - order - 1, 0)
     total = _derivative(coefficients, k, j, order, span, sign, control)
     to_bernstein(control, degree)
@@ -92,10 +92,10 @@ def _raised(coefficients, slack, control, stack, k, j, order, span, sign, best):
 
 @lean
 def _look_at_ends(spans, coefficients, slack, low, high, steps, ends, below, above, sums):
-    """Write the extremes at the ends of all pieces, and the other facts of `piece_extremes`.
+    """Write the extremes at the ends of all pieces, and the other results of `piece_extremes`.
 
-    No value of a piece is outside `below` and `above`, (d, s, n): no power on [0, 1] is larger
-    than 1.  The `sums` (2, n) are scratch.
+    ``below`` and ``above`` (d, s, n) receive bounds of all values of a piece, since no power on
+    [0, 1] exceeds 1.  ``sums`` (2, n) is working space.
     """
     size, pieces, joints = coefficients.shape
     total, largest = sums[0], sums[1]
@@ -130,14 +130,14 @@ def _look_at_ends(spans, coefficients, slack, low, high, steps, ends, below, abo
 def piece_extremes(breaks, coefficients, slack, low, high, steps, ends):
     """Find the extremes of the joints and of their first derivatives, and their largest steps.
 
-    ``breaks`` (s + 1,) are where the pieces begin and the last one ends, increasing, and
-    ``coefficients`` (c, max(s, 1), n) powers of the time since the beginning of the piece, lowest
-    first.  By ``slack`` (d, max(s, 1), n) position, velocity and so on may be wrong in each piece;
-    they count only as far as they are certain; d is 4 at most.
+    ``breaks`` (s + 1,) are the increasing ends of the pieces, and ``coefficients`` (c, max(s, 1),
+    n) belong to powers of the time since the start of a piece, lowest first.  ``slack``
+    (d, max(s, 1), n) bounds the errors of position, velocity and so on in each piece, which reduce
+    the magnitudes; d is at most 4.
 
-    ``low`` and ``high`` (d, n) are filled with extremes, to a part in 1e11 of the coefficients,
-    ``steps`` (d, n) with the largest magnitudes of steps from one piece to the next; infinite
-    where one is no number, and ``ends`` (d, n) with the values at the end of the last piece.
+    ``low`` and ``high`` (d, n) receive extremes, to 1e-11 of the coefficients, ``steps`` (d, n)
+    the largest magnitudes of steps between pieces, infinite if one is NaN, and ``ends`` (d, n) the
+    values at the end of the last piece.
     """
     spans = np.ones(coefficients.shape[1])
     spans[: breaks.shape[0] - 1] = breaks[1:] - breaks[:-1]
@@ -163,13 +163,12 @@ def piece_extremes(breaks, coefficients, slack, low, high, steps, ends):
 def within_bounds(
     low, high, steps, lower, upper, limits, tolerances, allowed, slack, step_slack, ratios
 ):
-    """Check the result of `piece_extremes` for position and three rates.
+    """Return whether results of `piece_extremes` for position and three rates are within limits.
 
-    Positions may be from ``lower`` to ``upper`` (n,), and outside by ``slack``.  Filled are
-    ``ratios`` (3, n) of the rates to their ``limits`` (3, n), which may be as large as
-    ``tolerances`` (3,), and steps as large as ``allowed`` (3, n).  Returned is whether all is well.
-    The ratio of a limited jerk is infinite where the acceleration steps by more than a part,
-    ``step_slack``, of its own limit.
+    Positions may be from ``lower`` to ``upper`` (n,), and outside by ``slack``.  ``ratios`` (3, n)
+    receives the ratios of the rates to their ``limits`` (3, n), which may be up to ``tolerances``
+    (3,); steps may be up to ``allowed`` (3, n).  The ratio of a limited jerk is infinite if the
+    acceleration steps by more than the fraction ``step_slack`` of its limit.
     """
     good = True
     for j in range(lower.shape[0]):

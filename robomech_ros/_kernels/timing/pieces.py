@@ -1,4 +1,4 @@
-"""The motion along a path as quintic pieces in time, from the squares of the speeds at nodes."""
+"""Motion along a path as quintic pieces in time, from squared speeds at nodes."""
 
 import math
 
@@ -18,14 +18,14 @@ _MOST = 64
 
 @inline
 def _coordinate(x0, x1, w):
-    """Return sigma where the speed, were it linear in time, is at part w of its way."""
+    """Return sigma at the fraction w of the change of speed, if the speed were linear in time."""
     y0, y1 = math.sqrt(x0), math.sqrt(x1)
     return w * (2.0 * y0 + (y1 - y0) * w) / (y0 + y1)
 
 
 @inline
 def _duration(x0, x1, theta, span, w0, w1):
-    """Integrate the time over part of a cell, from w0 to w1."""
+    """Return the time for part of a cell, from w0 to w1, by quadrature."""
     y0, y1 = math.sqrt(x0), math.sqrt(x1)
     bend = 0.5 * theta * (x0 + x1)
     if bend == 0.0:
@@ -44,13 +44,13 @@ def _duration(x0, x1, theta, span, w0, w1):
 
 @inline
 def _state(local, x0, x1, theta, span, sigma, state):
-    """Write way since the cell's beginning, velocity and acceleration of all joints, (3, n)."""
+    """Write displacement from the start of the cell, velocity and acceleration of joints (3, n)."""
     bend = 0.5 * theta * (x0 + x1)
     x = max(x0 + sigma * (x1 - x0 + bend * (1.0 - sigma)), 0.0)
     speed, rate = math.sqrt(x), 0.5 * (x1 - x0 + bend * (1.0 - 2.0 * sigma)) / span
     size, s = local.shape[1], sigma * span
     for j in range(local.shape[0]):
-        # The mean rate (q(s) - q(0)) / s, which keeps its digits however short the way is.
+        # The mean rate (q(s) - q(0)) / s keeps its digits for any s.
         value, first, second = local[j, size - 1], 0.0, 0.0
         for i in range(size - 2, 0, -1):
             second = second * s + 2.0 * first
@@ -65,14 +65,14 @@ def _state(local, x0, x1, theta, span, sigma, state):
 
 @inline
 def _quintic(before, after, j, duration):
-    """Return the coefficients 3 to 5 of the quintic between two states of joint j."""
+    """Return coefficients 3 to 5 of the quintic between two states of joint j."""
     rise = after[0, j] - before[0, j]
     return _upper_coefficients(duration, rise, before[1, j], after[1, j], before[2, j], after[2, j])
 
 
 @kernel(f8(IN1, IN1, IN1))
 def total_time(spans, thetas, x):
-    """Add up the time that all cells take, in s, with the arguments of `piece_counts`."""
+    """Return the total time (s) of all cells; the arguments are as for `piece_counts`."""
     total = 0.0
     for k in range(spans.shape[0]):
         total += _duration(x[k], x[k + 1], thetas[k], spans[k], 0.0, 1.0)
@@ -81,13 +81,12 @@ def total_time(spans, thetas, x):
 
 @kernel(i8(IN3, IN1, IN1, IN1, IN1, f8, IOUT1))
 def piece_counts(local, spans, thetas, x, scales, accuracy, counts):
-    """Count the pieces of each cell for accurate accelerations in between.
+    """Write the numbers of pieces of cells for accurate accelerations; return their sum.
 
-    ``local`` (m, n, d + 1) is the path in each cell, in powers of the coordinate since its
-    beginning, ``spans`` and ``thetas`` (m,) are length and bend of each cell, x (m + 1,) the
-    squares of the speeds at the nodes, and ``scales`` (n,) one over the acceleration that counts
-    as one.  The ``accuracy`` is the largest error of the acceleration in the middle of a piece.
-    ``counts`` (m,) are filled; returned is their sum.
+    ``local`` (m, n, d + 1) is the path in each cell, in powers of the coordinate from its start,
+    ``spans`` and ``thetas`` (m,) are lengths and bends of cells, x (m + 1,) squared speeds at the
+    nodes, and ``scales`` (n,) inverse unit accelerations of joints.  The ``accuracy`` is the
+    largest error of the scaled acceleration in the middle of a piece.  ``counts`` (m,) is written.
     """
     joints = local.shape[1]
     states = np.empty((3, 3, joints))
@@ -115,10 +114,9 @@ def piece_counts(local, spans, thetas, x, scales, accuracy, counts):
 def write_pieces(local, spans, thetas, x, counts, times, coordinates, speeds, coefficients):
     """Write the motion as quintic pieces; the first five arguments are as for `piece_counts`.
 
-    Filled are ``times`` (p + 1,) with the instants at which pieces begin and end, from 0,
-    ``coordinates`` and ``speeds`` (p + 1,) with path coordinate since the beginning, and its rate,
-    at these instants, and ``coefficients`` (6, p, n) with powers of the time since the beginning
-    of the piece.
+    ``times`` (p + 1,) receives the ends of the pieces, from 0, ``coordinates`` and ``speeds``
+    (p + 1,) the path coordinate from the start and its rate at these times, and ``coefficients``
+    (6, p, n) those of powers of the time since the start of a piece.
     """
     joints = local.shape[1]
     before, after = np.empty((3, joints)), np.empty((3, joints))

@@ -1,34 +1,33 @@
-"""Linear programs in two variables: the largest first one within a box and between pairs of lines.
+"""Linear programs in two variables: largest x within a box and between pairs of parallel lines.
 
 References
 ----------
 R. Seidel, "Small-dimensional linear programming and convex hulls made easy", Discrete &
-Computational Geometry 6, 1991, section 2: constraints are added one by one, and only one that the
-optimum so far violates asks for work, a program in one variable on its line.
+Computational Geometry 6, 1991, section 2: constraints are added one by one; one that the current
+optimum violates is solved as a program in one variable on its line.
 """
 
 import math
 
 from robomech_ros._kernels.compiling.jit import inline
 
-# Excess over a bound, as a part of it, that is rounding in a cell of a time-optimal path: its rows
-# multiply the squared speeds by up to 1e6, one over the length of the shortest cells.
+# Relative excess over a bound that is rounding in a cell of a time-optimal path: its rows multiply
+# squared speeds by up to 1e6, the inverse length of the shortest cells.
 ROW_SLACK = 1e-10
 
 
-# Rounding of the distance of two lines that coincide.
+# Rounding error of the distance of two coincident lines.
 _BESIDE = 1e-9
-# A row along the line of another one is parallel to it where no larger part of its coefficients is
-# left: rounding is less, and lines of the shortest cells that cross differ by more.
+# Relative slope of a row along a line, below which it is parallel to the line: rounding errors are
+# smaller, and slopes of intersecting lines in the shortest cells larger.
 _PARALLEL = 1e-14
 
 
 @inline
 def _along(first, second, rest, order, rows, offset, slope, box):
-    """Find the range of x with ``y = offset + slope x`` that keeps to the first rows and the box.
+    """Return the range of x with ``y = offset + slope x`` allowed by the first rows and the box.
 
-    No distance to another point comes in: the range may be smaller by many orders of magnitude than
-    the box, and still has all its digits.
+    It keeps all its digits, even if it is smaller than the box by many orders of magnitude.
     """
     low, high = box[0], box[1]
     for k in range(rows + 1):
@@ -42,10 +41,10 @@ def _along(first, second, rest, order, rows, offset, slope, box):
             rise, value, steep = slope, offset, abs(slope) > 1e-12
             below, above = box[2] - offset, box[3] - offset
         if not steep:
-            # A parallel line: it is on the wrong side only by rounding.
+            # A parallel line, violated only by rounding.
             if max(below, -above) <= _BESIDE * (1.0 + abs(value)):
                 continue
-            # One further off is met where the box is long enough for the little that is left.
+            # A farther line intersects if its small slope suffices within the box.
             if rise == 0.0:
                 return math.inf, -math.inf
         inverse = 1.0 / rise
@@ -58,12 +57,11 @@ def _along(first, second, rest, order, rows, offset, slope, box):
 
 @inline
 def farthest(first, second, rest, order, box, sign):
-    """Find the largest ``sign`` x with ``|first x + second y + rest| <= 1`` inside a box.
+    """Return the largest x with ``|first x + second y + rest| <= 1`` inside a box.
 
-    ``order`` (r,) is the one in which the rows (r,) are looked at; those that bind are moved to
-    its front, so that they come first the next time.  The ``box`` is least and largest x, least
-    and largest y; the ``sign`` is -1.0 for the smallest x.  Returns NaN where no point keeps to
-    all rows.
+    ``order`` (r,) is the order of testing the rows (r,); binding rows are moved to its front, so
+    that they are tested first the next time.  The ``box`` is smallest and largest x, smallest and
+    largest y.  For the ``sign`` -1.0, the smallest x is returned; NaN if no point fulfils all rows.
     """
     x = box[1] if sign > 0.0 else box[0]
     y = box[3]
@@ -75,7 +73,7 @@ def farthest(first, second, rest, order, box, sign):
         if not abs(first[i]) + abs(second[i]) > 0.0:
             return math.nan
         bound = math.copysign(1.0, value) - rest[i]
-        # The line by the variable that changes more along it.
+        # Parametrise the line by the variable that changes more along it.
         if abs(second[i]) >= abs(first[i]):
             offset, slope = bound / second[i], -first[i] / second[i]
             low, high = _along(first, second, rest, order, k, offset, slope, box)

@@ -1,4 +1,4 @@
-"""Piecewise polynomials and their first three derivatives at many instants, and back."""
+"""Sampling of piecewise polynomials and their first three derivatives, and interpolation."""
 
 import math
 
@@ -16,7 +16,7 @@ _rounding_bounds = inline(rounding_bounds)
 
 @inline
 def _piece(breaks, pieces, t, known):
-    """Find the piece that begins last before t, or at t; the known one is tried first."""
+    """Return the last piece that starts at or before t; try the piece `known` first."""
     if breaks[known] <= t and (known + 1 == pieces or t < breaks[known + 1]):
         return known
     low, high = 0, pieces
@@ -33,9 +33,9 @@ def _piece(breaks, pieces, t, known):
 def sample_pieces(breaks, coefficients, times, rates):
     """Sample positions and three derivatives, ``rates`` (4, m, n), at ``times`` (m,).
 
-    ``breaks`` (s + 1,) are where the pieces begin and the last one ends, increasing; before and
-    after the joints rest.  ``coefficients`` (d + 1, max(s, 1), n) are powers of the time since the
-    beginning of the piece, lowest first.
+    ``breaks`` (s + 1,) are the increasing ends of the pieces; outside them the joints rest.
+    ``coefficients`` (d + 1, max(s, 1), n) belong to powers of the time since the start of a piece,
+    lowest first.
     """
     size, pieces, joints = coefficients.shape
     last = breaks[breaks.shape[0] - 1]
@@ -46,7 +46,7 @@ def sample_pieces(breaks, coefficients, times, rates):
         elapsed = t - breaks[k]
         moving = 1.0 if t == times[i] else 0.0
         for j in range(joints):
-            # The derivatives over their factorials, by Horner's scheme.
+            # Horner's scheme for the derivatives over their factorials.
             value, first, second, third = coefficients[size - 1, k, j], 0.0, 0.0, 0.0
             for p in range(size - 2, -1, -1):
                 third = third * elapsed + second
@@ -62,9 +62,9 @@ def sample_pieces(breaks, coefficients, times, rates):
 
 @kernel(f8(IN1, f8, OUT1))
 def spread_instants(breaks, period, instants):
-    """Count the instants at all breaks (s + 1,) and evenly between them, a ``period`` (s) apart.
+    """Return the number of times at breaks (s + 1,) and evenly between, at most ``period`` apart.
 
-    If there is room, all but the last are written, rounded to nanoseconds.
+    If ``instants`` is not empty, it receives all but the last time, rounded to nanoseconds.
     """
     count = 0.0
     for k in range(breaks.shape[0] - 1):
@@ -81,9 +81,9 @@ def spread_instants(breaks, period, instants):
 def quintic_pieces(times, positions, velocities, accelerations, coefficients, doubts):
     """Interpolate samples (m, n) at ``times`` (m,), m at least 2, by quintics.
 
-    Returns whether all numbers are finite and the times increase; if so, ``coefficients`` (6, m -
-    1, n) are filled with powers of the time since the beginning of the piece, and ``doubts`` (4, m
-    - 1, n) with bounds of the errors of position and three rates that come from rounding.
+    Returns whether all numbers are finite and the times increase.  If so, ``coefficients``
+    (6, m - 1, n) receives those of powers of the time since the start of a piece, and ``doubts``
+    (4, m - 1, n) bounds of rounding errors of position and three rates.
     """
     samples, joints = positions.shape
     largest = np.zeros((3, joints))
@@ -109,6 +109,6 @@ def quintic_pieces(times, positions, velocities, accelerations, coefficients, do
             coefficients[3, k, j], coefficients[4, k, j], coefficients[5, k, j] = upper
             for order in range(4):
                 doubts[order, k, j] = bounds[order]
-            # Any number that is not finite spreads to the whole result.
+            # A single number that is not finite makes the total NaN.
             total += 0.0 * coefficients[5, k, j]
     return total == 0.0

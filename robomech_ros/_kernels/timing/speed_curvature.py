@@ -1,16 +1,16 @@
-"""Curvature of the speed along a path within the cells, and its switches between two bounds."""
+"""Curvature of the squared speed x within the cells of a path, and refinement of the cells."""
 
 import math
 
 from robomech_ros._kernels.compiling.jit import inline, kernel
 from robomech_ros._kernels.compiling.types import IIN1, IN1, OUT1, f8, i8
 
-# Most parts of a cell in one division.
+# Largest number of parts of a divided cell.
 PARTS = 4
 
-# Largest bend: x stays positive, and nearly linear.
+# Largest bend, for which x stays positive and nearly linear.
 _LARGEST = 0.5
-# Distance of a switch at a node, as a fraction of the cell.
+# Least distance of a switch from a node, as a fraction of the cell.
 _AT_NODE = 1e-3
 
 
@@ -21,7 +21,7 @@ def _slope(x, spans, k):
 
 @inline
 def _change(x, spans, binding, k):
-    """Estimate the second derivative of x in cell k from the neighbours on the same arc."""
+    """Estimate the second derivative of x in cell k from neighbours with the same binding."""
     last = spans.shape[0] - 1
     middle = _slope(x, spans, k)
     before = k > 0 and binding[k - 1] == binding[k]
@@ -40,10 +40,10 @@ def _change(x, spans, binding, k):
 
 @kernel(i8(IN1, IN1, IIN1, OUT1))
 def bends(x, spans, binding, thetas):
-    """Estimate the bend of x in every cell from the slopes in its neighbours.
+    """Estimate the bend of x in every cell from slopes in its neighbours.
 
-    x (m + 1,) is that at the nodes, ``spans`` (m,) the length of each cell and ``binding`` (m,)
-    what binds in it; only cells of one arc are compared.  Filled are ``thetas`` (m,).
+    x (m + 1,) is at the nodes; ``spans`` (m,) are lengths of cells, and ``binding`` (m,) their
+    binding quantities.  Only cells with the same one are compared.  ``thetas`` (m,) is written.
     """
     for k in range(spans.shape[0]):
         total = x[k] + x[k + 1]
@@ -56,7 +56,7 @@ def bends(x, spans, binding, thetas):
 
 @inline
 def _meeting(x, spans, binding, k):
-    """Find where in cell k the arc from the left meets the one from the right; 0 if nowhere."""
+    """Return sigma in cell k where the arcs from left and right intersect, or 0."""
     if k == 0 or k == spans.shape[0] - 1 or binding[k - 1] == binding[k + 1]:
         return 0.0
     span = spans[k]
@@ -67,7 +67,7 @@ def _meeting(x, spans, binding, k):
     a = 0.5 * (bend_left - bend_right) * span * span
     b = (left - right) * span + bend_right * span * span
     c = x[k] - x[k + 1] + right * span - 0.5 * bend_right * span * span
-    # a sigma^2 + b sigma + c = 0, the root that continues the linear one.
+    # The root of a sigma^2 + b sigma + c = 0 that tends to -c / b for small a.
     if b == 0.0:
         return 0.0
     sigma = -c / b
@@ -96,7 +96,7 @@ def _time(x, spans, k):
 
 @inline
 def _divide(begin, span, theta, parts, shortest, finer, finer_thetas, count):
-    """Write the parts of a cell from place `count` on; return the next place."""
+    """Write the parts of a cell from index `count` on; return the next index."""
     parts = max(1, min(parts, int(span / shortest)))
     for i in range(parts):
         finer[count] = begin + span * i / parts
@@ -109,12 +109,11 @@ def _divide(begin, span, theta, parts, shortest, finer, finer_thetas, count):
 def refine(x, spans, binding, nodes, thetas, accuracy, shortest, finer, finer_thetas):
     """Divide the cells with the largest changes of the slope, and those where x switches inside.
 
-    x (m + 1,) is that at the ``nodes`` (m + 1,), path coordinates; ``spans`` and ``thetas`` (m,)
-    are length and bend of each cell, and ``binding`` (m,) what binds in it.  The ``accuracy`` is
-    the part of the duration that a cell may cost; what costs more is divided, and none is made
-    shorter than ``shortest``.  ``finer`` (2 PARTS m + 1,) and ``finer_thetas`` (2 PARTS m,) are
-    filled with the nodes and bends of all cells, old and new.  Returns how many cells there are
-    then.
+    x (m + 1,) is at the ``nodes`` (m + 1,), path coordinates; ``spans`` and ``thetas`` (m,) are
+    lengths and bends of cells, and ``binding`` (m,) their binding quantities.  The ``accuracy`` is
+    the fraction of the duration that a cell may lose; cells with larger losses are divided, but
+    not below the length ``shortest``.  ``finer`` (2 PARTS m + 1,) and ``finer_thetas``
+    (2 PARTS m,) receive nodes and bends of the new cells.  Returns their number.
     """
     cells = spans.shape[0]
     allowed = 0.0

@@ -1,4 +1,4 @@
-"""Moves of all joints together: check of both ends, and shortest duration."""
+"""Synchronous moves of all joints: check of both ends, and shortest duration."""
 
 import math
 
@@ -8,7 +8,7 @@ from robomech_ros._kernels.compiling.types import IN1, IN2, f8, i8
 
 @kernel(i8(IN1, IN1, IN2))
 def both_within(start, goal, ranges):
-    """Return 1 if two positions (n,) are within ``ranges`` (2, n), 0 if not or for NaN."""
+    """Return 1 if two positions (n,) are within ``ranges`` (2, n), else 0, also for NaN."""
     for j in range(start.shape[0]):
         low, high = ranges[0, j], ranges[1, j]
         if not (low <= start[j] <= high and low <= goal[j] <= high):
@@ -18,10 +18,10 @@ def both_within(start, goal, ranges):
 
 @kernel(f8(IN1, IN1, IN2, f8, f8, f8))
 def shortest_duration(start, goal, inverses, velocity, acceleration, jerk):
-    """Find the shortest duration (s) between positions (n,) within limits of a law of motion.
+    """Return the shortest duration (s) between positions (n,) for a law of motion within limits.
 
-    ``inverses`` (3, n) are one over the limits of velocity, acceleration and jerk; the other three
-    numbers are the peaks of the law over a way and a duration of 1.
+    ``inverses`` (3, n) are the inverse limits of velocity, acceleration and jerk; the last three
+    arguments are the peaks of the law for a unit distance and duration.
     """
     first, second, third = 0.0, 0.0, 0.0
     for j in range(start.shape[0]):

@@ -1,1 +1,1 @@
-"""Kernels of walking machines: support, legs of three joints, one period of walking."""
+"""Kernels of walking machines: support margin, legs of three joints, and gait steps."""

@@ -1,22 +1,21 @@
-"""One period of walking: trunk and feet move on, the joints follow.
+"""One step of a gait: trunk and feet move, and the joints follow.
 
-The walking frame is on the ground below the trunk that stands upright at its height; it moves
-with the command.
+The walking frame is on the ground below the trunk in its neutral pose, and moves with the command.
 
-A :class:`Pattern` is what robot and gait leave.  Its ``geometry`` has a row for each leg: where its
-foot stands in that frame (x, y), offset of its phase, where the trunk sways before it is lifted
-(x, y).  Its ``settings`` are cycle (s), duty factor, height of the swing (m), radius around its
-place in which a foot may stand (m), part of the cycle in which the trunk sways (0 for none),
-whether the phase goes on.
+A :class:`Pattern` holds constants of robot and gait.  Its ``geometry`` has a row for each leg:
+neutral position of the foot in that frame (x, y), phase offset, and sway of the trunk before the
+foot is lifted (x, y).  Its ``settings`` are cycle (s), duty factor, height of the swing (m), radius
+of the circle around the neutral position in which a foot may stand (m), fraction of the cycle in
+which the trunk sways (0 for none), and 1 if the phase advances.
 
 In a :class:`State`, ``body`` is x, y, yaw of the walking frame over the ground, phase (cycles),
-sway x, y, where it came from x, y and goes to x, y, the leg it is for (-1 none), whether that leg
-is lifted, and the twist that landing places are told by, which follows the actual one.  A row of
-``feet``: place on the ground (x, y, z), where it was lifted (x, y), where it will land beside its
-place (x, y), whether it is in the air.
+sway x, y, its start x, y and its goal x, y, its leg (-1 for none), 1 if that leg may be lifted,
+and the filtered twist (3) that sets landing positions.  A row of ``feet`` is the position on the
+ground (x, y, z), position of the last lift (x, y), landing position relative to the neutral one
+(x, y), and 1 in the air.
 
-The ``pose`` of a :class:`Step` is the trunk in the walking frame without sway: rotation row by row,
-origin, then the mass centre in the trunk.
+The ``pose`` of a :class:`Step` is that of the trunk in the walking frame without sway: rotation row
+by row, origin, then the mass centre in the trunk.
 """
 
 import math
@@ -29,16 +28,16 @@ from robomech_ros._kernels.compiling.types import IN1, IN2, IN3, OUT1, OUT2, b1,
 from robomech_ros._kernels.walking.legs import FOLLOWED, follow_foot
 from robomech_ros._kernels.walking.support import signed_margin
 
-# Most feet.
+# Largest number of legs.
 MOST_LEGS = 16
 _AT_PLACE = 1e-6
 # Fractions of a swing between which the landing position becomes fixed.
 _FREE, _FIXED = 0.5, 0.8
-# Time constant (s) of landing positions after the twist.
+# Time constant (s) with which landing positions follow the twist.
 _FOLLOWING = 0.05
 # Fraction of the radius for landing positions.
 LANDING = 0.95
-# Fraction of the radius that is planned ahead for the feet.
+# Fraction of the radius that is used with a look-ahead.
 _INNER = 0.999
 
 
@@ -50,7 +49,7 @@ class Pattern(NamedTuple):
 
 
 class State(NamedTuple):
-    """A moment of the walk: ``body`` (15,), ``feet`` (k, 8) and joints ``q`` (k, 3)."""
+    """State of the gait: ``body`` (15,), ``feet`` (k, 8) and joints ``q`` (k, 3)."""
 
     body: Any
     feet: Any
@@ -69,9 +68,9 @@ class Step(NamedTuple):
 class StepReport(NamedTuple):
     """Result of one step.
 
-    ``rates`` (k, 3) of the joints over the whole period; ``trunk`` (4, 4), its pose over the
-    ground; ``report`` (4,): the margin (m), the largest part of a joint's speed, the joint with the
-    largest excess over a limit of position, that excess.
+    ``rates`` (k, 3) are those of the joints over the whole period, ``trunk`` (4, 4) is its pose
+    over the ground.  ``report`` (4,) has the margin (m), the largest ratio of a joint rate to its
+    limit, the joint with the largest excess over a position limit, and this excess.
     """
 
     rates: Any
@@ -88,7 +87,7 @@ _SEEN = types.NamedTuple((OUT2, OUT2, OUT1), StepReport)
 
 @lean
 def _smooth(part):
-    """Interpolate from 0 to 1 with first and second derivatives zero at both ends."""
+    """Return a quintic from 0 to 1 with first and second derivatives zero at both ends."""
     return part * part * part * (10.0 + part * (6.0 * part - 15.0))
 
 
@@ -102,7 +101,7 @@ def _in_frame(body, x, y):
 
 @lean
 def _along(x, y, yaw, w, vx, vy, time):
-    """Move a frame in the plane with a constant twist in its own axes, exactly."""
+    """Return a planar pose after an exact motion with a constant twist in its own axes."""
     turn = w * time
     if abs(turn) > 1e-6:
         a, b = math.sin(turn) / w, (1.0 - math.cos(turn)) / w
@@ -131,9 +130,9 @@ def sustained_part(pattern, twist):
 def possible_part(pattern, state, twist, period, ahead):
     """Return the fraction of a twist that keeps every foot in its circle until it is lifted.
 
-    Those count that stand and those that land in the coming period; with ``ahead`` all that are in
-    the air, too, each for its whole stance where it would land by now, in circles a little smaller:
-    what is straight here is curved in a turn.
+    Feet on the ground and those that land in the next period are considered; with ``ahead``, also
+    all others, for a whole stance from their landing positions.  Circles are then slightly smaller,
+    since the paths of feet, straight here, are curved in a turn.
     """
     geometry, settings = pattern
     body, feet = state.body, state.feet
@@ -167,7 +166,7 @@ def possible_part(pattern, state, twist, period, ahead):
 
 @lean
 def _sway(geometry, settings, body, feet, wants):
-    """Move the sway of the trunk towards a lift of the next leg; return which may be lifted."""
+    """Move the sway of the trunk towards that for the lift of the next leg."""
     length, duty = settings[4], settings[1]
     for k in range(geometry.shape[0]):
         lift = duty - geometry[k, 2]
@@ -197,7 +196,7 @@ def _at_place(geometry, body, feet, k):
 
 @lean
 def _landing(geometry, settings, body, k):
-    """Return the landing offset of a foot: half of its path on the ground ahead."""
+    """Return the landing offset of a foot: half of its next stride, within the circle."""
     radius, half = settings[3], 0.5 * settings[1] * settings[0]
     ox = half * (body[13] - body[12] * geometry[k, 1])
     oy = half * (body[14] + body[12] * geometry[k, 0])
@@ -231,7 +230,7 @@ def _swing(geometry, settings, body, time, feet, k, phase):
 
 @lean
 def _land(geometry, body, twist, passed, feet, k):
-    """Set a foot down where its swing ended, a time before the end of the period."""
+    """Set a foot down where its swing ended, the time `passed` before the end of the period."""
     x, y, yaw = _along(body[0], body[1], body[2], twist[0], twist[1], twist[2], -passed)
     c, s = math.cos(yaw), math.sin(yaw)
     px, py = geometry[k, 0] + feet[k, 5], geometry[k, 1] + feet[k, 6]
@@ -265,7 +264,7 @@ def _feet_on(geometry, settings, old, body, twist, time, feet):
 
 @kernel(i8(IN3, IN3, _PATTERN, _STEP, _OLD, _NEW, _SEEN))
 def advance(packed, limits, pattern, step, old, new, seen):
-    """Advance a state by a step; return -1, or the leg that cannot reach."""
+    """Advance a state by a step; return -1, or the first leg whose foot is out of reach."""
     geometry, settings = pattern
     twist, pose, time, period = step
     body, feet, q = new

@@ -1,4 +1,4 @@
-"""Joints of a leg of three joints for a foot position, from a posture nearby."""
+"""Inverse kinematics of a leg of three joints from a near posture."""
 
 import math
 
@@ -9,7 +9,7 @@ from robomech_ros._kernels.spatial.vectors import cramer, lower, scaled
 
 FOLLOWED = 0
 LOST = 1
-# Rounding error of a foot (m).
+# Rounding error of a foot position (m).
 CLOSED = 1e-13
 _STEPS = 30
 # Largest rotation of one step (rad), and largest determinant (m^3) that counts as zero.
@@ -19,10 +19,10 @@ _SINGULAR = 1e-12
 
 @lean
 def follow_foot(packed, x, y, z, q, J, T):
-    """Move q (3), with the foot near (x, y, z) in the trunk, until it is there.
+    """Move q (3) from a near posture until the foot is at (x, y, z) in the trunk.
 
-    J (6, 3) and T (4, 4) are working space.  Gives FOLLOWED, or LOST where the foot cannot come
-    closer.
+    J (6, 3) and T (4, 4) are working space.  Returns FOLLOWED, or LOST if the foot cannot reach
+    the point.
     """
     for _ in range(_STEPS):
         if jacobian_body(packed, q, J, T) != 0:
@@ -51,7 +51,7 @@ def follow_foot(packed, x, y, z, q, J, T):
 def follow_feet(packed, feet, q):
     """Move q (legs, 3) until the feet are at the positions (legs, 3) in the trunk.
 
-    Returns -1, or the first leg whose foot cannot get there.
+    Returns -1, or the first leg whose foot cannot reach its position.
     """
     J, T = scratch(6, 3), scratch(4, 4)
     for leg in range(feet.shape[0]):

@@ -1,4 +1,4 @@
-"""Motion of a trunk and its legs of three joints while some feet stand still on the ground."""
+"""Motion of a trunk and its legs of three joints while some feet are fixed to the ground."""
 
 import math
 
@@ -14,9 +14,9 @@ from robomech_ros._kernels.dynamics.forward import SINGULAR
 from robomech_ros._kernels.dynamics.inverse import three
 from robomech_ros._kernels.spatial.vectors import combined, cross, lower, mixed
 
-# A standing leg may be singular; its singular values decide.
+# Status: a standing leg may be singular; the caller must check its singular values.
 DOUBTFUL = 1
-# Least singular value that is not zero, relative to the greatest.
+# Least singular value that is not zero, relative to the largest.
 ZERO = 1e-9
 
 _inverse, _mass = linked(floating_inverse), linked(floating_mass)
@@ -24,9 +24,9 @@ _inverse, _mass = linked(floating_inverse), linked(floating_mass)
 
 @lean
 def _is_regular(J, A):
-    """Return whether the lower half of J (6, 3), with factors A, is certainly regular.
+    """Return whether the lower half of J (6, 3), with factors A, is proved to be regular.
 
-    Its determinant is the product of the singular values, none above the root of their squares.
+    Its determinant is the product of the singular values; none exceeds the Frobenius norm.
     """
     squares = 0.0
     for i in range(3, 6):
@@ -37,7 +37,7 @@ def _is_regular(J, A):
 
 @lean
 def _negative_contact_rows(foot, rows):
-    """Write the matrix (3, 6) from the twist of the trunk to minus the velocity of a foot."""
+    """Write the matrix (3, 6) from the twist of the trunk to the negative velocity of a foot."""
     x, y, z = foot
     rows[0, 1], rows[0, 2] = -z, y
     rows[1, 0], rows[1, 2] = z, -x
@@ -48,7 +48,7 @@ def _negative_contact_rows(foot, rows):
 
 @lean
 def _plant(packed, q, w, rows, rates, drift):
-    """Write rows (3, 6) of N, rates and drift (3,) of a standing leg."""
+    """Write rows (3, 6) of N, rates and drift (3,) of a standing leg; return OK or DOUBTFUL."""
     J, T, changes = scratch(6, 3), scratch(4, 4), scratch(6, 3)
     A, order = scratch(3, 3), scratch_integers(3)
     if jacobian_body(packed, q, J, T) != OK:
@@ -76,11 +76,11 @@ def _plant(packed, q, w, rows, rates, drift):
 
 @kernel(i8(IN3, IN2, IIN1, IN1, OUT2, OUT2))
 def planted_legs(packed, q, stands, w, N, motion):
-    """Complement N (6 + 3 k, 6 + 3 m) of k legs, m in the air, into N; motion (2, 6 + 3 k).
+    """Write the complement N (6 + 3 k, 6 + 3 m) of k legs, m in the air; return OK or DOUBTFUL.
 
-    ``stands`` (k,) are 0 for legs in the air, w (6 + 3 m,) the twist of the trunk and their rates.
-    ``motion`` becomes the rates N w, and their derivative while w is constant.  Gives OK, or
-    DOUBTFUL.
+    ``stands`` (k,) are 0 for legs in the air, w (6 + 3 m,) is the twist of the trunk and rates of
+    these legs.  ``motion`` (2, 6 + 3 k) receives the rates N w, and their derivative for constant
+    w.
     """
     N[:] = 0.0
     motion[:] = 0.0
@@ -102,7 +102,7 @@ def planted_legs(packed, q, stands, w, N, motion):
 
 @lean
 def _add_transposed_product(A, B, out):
-    """Add A^T B to out; the many zeros of A cost nothing."""
+    """Add A^T B to out, skipping the many zeros of A."""
     for k in range(A.shape[0]):
         for i in range(A.shape[1]):
             factor = A[k, i]
@@ -113,9 +113,9 @@ def _add_transposed_product(A, B, out):
 
 @kernel(i8(IN3, IN2, IN1, IN2, IN2, IN2, OUT1))
 def planted_forward(models, q, torques, around, N, motion, out):
-    """Accelerations (6 + 3 k,), and the forces on the feet (3 k,), one after the other into out.
+    """Write accelerations (6 + 3 k,), then the forces on the feet (3 k,), to out.
 
-    N and ``motion`` are from :func:`planted_legs`, the others as for :func:`floating_inverse`.
+    N and ``motion`` are from :func:`planted_legs`; the others are as for :func:`floating_inverse`.
     """
     n, free = N.shape
     M, left = np.empty((n, n)), np.empty((n, 1))
@@ -133,7 +133,7 @@ def planted_forward(models, q, torques, around, N, motion, out):
         for j in range(free):
             out[i] += N[i, j] * changes[j, 0]
             left[i, 0] -= MN[i, j] * changes[j, 0]
-    # Columns of N are minus the inverses of the Jacobians of standing legs, or zero.
+    # Columns of N are the negative inverse Jacobians of standing legs, or zero.
     for i in range(6, n):
         first = i - i % 3
         force = 0.0

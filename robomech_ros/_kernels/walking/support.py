@@ -1,4 +1,4 @@
-"""Signed distance of a point to the border of the convex hull of a few points in a plane."""
+"""Signed distance of a point from the border of the convex hull of a few points in a plane."""
 
 import math
 
@@ -8,7 +8,7 @@ from robomech_ros._kernels.compiling.types import IN2, OUT1, i8
 
 @lean
 def _to_segment(px, py, ax, ay, bx, by):
-    """Distance of a point to a segment, which may be a point."""
+    """Return the distance of a point from a segment, whose ends may be equal."""
     dx, dy = bx - ax, by - ay
     square = dx * dx + dy * dy
     part = 0.0
@@ -19,10 +19,10 @@ def _to_segment(px, py, ax, ay, bx, by):
 
 @lean
 def signed_margin(px, py, feet, count):
-    """Distance of (px, py) to the border of the hull of the first rows of feet: inside positive.
+    """Return the distance of (px, py) from the border of the hull of feet, positive inside.
 
-    For feet on one line, which have no inside, it is minus the distance to the segment.  Every
-    directed pair of feet with no foot to its right is an edge.
+    The first `count` rows of feet are used.  For feet on one line it is the negative distance from
+    the segment.  Every directed pair of feet with no foot to its right is an edge.
     """
     outside = math.inf
     inside = math.inf
@@ -54,7 +54,7 @@ def signed_margin(px, py, feet, count):
 
 @kernel(i8(IN2, IN2, OUT1))
 def margins(points, feet, out):
-    """Margins of points (m, 2) over the same feet (n, 2) into out (m)."""
+    """Write the margins of points (m, 2) over the same feet (n, 2) to out (m,)."""
     for k in range(points.shape[0]):
         out[k] = signed_margin(points[k, 0], points[k, 1], feet, feet.shape[0])
     return 0
