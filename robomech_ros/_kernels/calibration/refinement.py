@@ -38,7 +38,7 @@ def distances(A, S, at, noise, inverted, out):
 
 
 @lean
-def _hold(at, free, M, g):
+def _fix_direction(at, free, M, g):
     """Fix the unobservable direction of the normal equations with a prior weight.
 
     Along the axis free[:3] in X's parent, free[3:6] in Z's, both positions may shift together.
@@ -72,7 +72,7 @@ def _settle(samples, at, noise, free, inverted, M, g, sums):
     P, J, F, d, trial = scratch(3, 3), scratch(12, 3), scratch(12, 12), scratch(12), scratch(24)
     other, slope, found = scratch(12, 12), scratch(12), scratch(13)
     accumulate(samples, at, noise, inverted, P, J, (M, g, sums))
-    _hold(at, free, M, g)
+    _fix_direction(at, free, M, g)
     damping = 0.0
     for _ in range(_STEPS):
         F[:] = M
@@ -87,7 +87,7 @@ def _settle(samples, at, noise, free, inverted, M, g, sums):
             gain -= g[j] * d[j]
         moved(at, d, trial)
         accumulate(samples, trial, noise, inverted, P, J, (other, slope, found))
-        _hold(trial, free, other, slope)
+        _fix_direction(trial, free, other, slope)
         cost = sums[0] + sums[1]
         if found[0] + found[1] <= cost * (1.0 + 1e-12):
             at[:], M[:], g[:], sums[:] = trial, other, slope, found
@@ -150,7 +150,7 @@ def _fit(samples, at, noise, free, inverted, known, rounds, M, C):
 
 
 @inline
-def _shared(samples, at, noise, free, inverted, M, C):
+def _find_share(samples, at, noise, free, inverted, M, C):
     """Find the most likely share of the robot in the rotation noise by bisection.
 
     Returns twice the gain of the restricted log-likelihood over a share of 0.  If a small share
@@ -189,11 +189,12 @@ def _shared(samples, at, noise, free, inverted, M, C):
 def refine(A, S, use, at, noise, free, inverted, known, shared, information):
     """Refine X and Z (24) and the noise (3) in place; write the information (12, 12).
 
-    If the robot's share improves the likelihood too little, it is 0.  `_hold` explains free (7).
+    If the robot's share improves the likelihood too little, it is 0.  For free (7) see
+    `_fix_direction`.
     """
     M, C = scratch(12, 12), scratch(12, 12)
     if shared and not known:
-        gain = _shared((A, S, use), at, noise, free, inverted, M, C)
+        gain = _find_share((A, S, use), at, noise, free, inverted, M, C)
         if gain < _WORTH:
             noise[2] = 0.0
     value = _fit((A, S, use), at, noise, free, inverted, known, _ROUNDS, M, C)

@@ -155,7 +155,7 @@ def accumulate(samples, at, noise, inverted, P, J, equations):
 
 
 @lean
-def _turned(at, i, d, k, out):
+def _moved_pose(at, i, d, k, out):
     """Write the pose at entry i, moved in its own axes by entries k to k + 5 of a step."""
     x, y, z, w = quaternion_of_vector(d[k], d[k + 1], d[k + 2])
     norm = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
@@ -174,5 +174,5 @@ def _turned(at, i, d, k, out):
 @lean
 def moved(at, d, out):
     """Write the unknowns after a step (12,): rotation and translation of X, then of Z."""
-    _turned(at, 0, d, 0, out)
-    _turned(at, 12, d, 6, out)
+    _moved_pose(at, 0, d, 0, out)
+    _moved_pose(at, 12, d, 6, out)

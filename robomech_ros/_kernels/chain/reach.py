@@ -36,7 +36,7 @@ def _offset(current, point, weights, r):
 
 
 @inline
-def _place(packed, q, joints):
+def _update_kinematics(packed, q, joints):
     """Write the Jacobian of all joints and the pose of the tip at q (n,)."""
     values, J, current = joints[:3]
     if is_coupled(packed):
@@ -80,7 +80,7 @@ def _by_joints(packed, weights, J, r, g, H):
 
 
 @inline
-def _hold(bounds, q, g, scale, A, b, n):
+def _fix_at_limits(bounds, q, g, scale, A, b, n):
     """Fix joints that are at a limit and would exceed it."""
     for i in range(n):
         if (q[i] <= bounds[0, i] and g[i] > 0.0) or (q[i] >= bounds[1, i] and g[i] < 0.0):
@@ -102,7 +102,7 @@ def _descend(packed, wanted, bounds, q, bench, iterations):
     current = joints[2]
     n = q.shape[0]
     damping = 1.0
-    _place(packed, q, joints)
+    _update_kinematics(packed, q, joints)
     value = _offset(current, point, weights, r)
     _gradient_and_hessian(packed, weights, joints, r, g, H)
     scale = 1e-300
@@ -123,7 +123,7 @@ def _descend(packed, wanted, bounds, q, bench, iterations):
             for j in range(i + 1):
                 A[i, j] = H[i, j]
             A[i, i] += damping * scale
-        _hold(bounds, q, g, scale, A, b, n)
+        _fix_at_limits(bounds, q, g, scale, A, b, n)
         if not cholesky_solve(A, b, n):
             damping = max(4.0 * damping, 1e-3)
             continue
@@ -135,7 +135,7 @@ def _descend(packed, wanted, bounds, q, bench, iterations):
         shrink = 1.0 if longest < 1.0 else 1.0 / longest
         for i in range(n):
             b[i] = min(max(q[i] + shrink * b[i], bounds[0, i]), bounds[1, i])
-        _place(packed, b, joints)
+        _update_kinematics(packed, b, joints)
         found = _offset(current, point, weights, r)
         if found < value:
             value = found

@@ -95,8 +95,8 @@ def cache_directory() -> Path | None:
         directory of this user under the temporary directory; None unless one is writable by this
         user and by no other.
     """
-    places = (root / _versions() for root in _cache_roots())
-    return next((place for place in places if _is_usable(place)), None)
+    directories = (root / _versions() for root in _cache_roots())
+    return next((directory for directory in directories if _is_usable(directory)), None)
 
 
 def _cache_roots() -> list[Path]:

@@ -30,16 +30,16 @@ def unsafe_permissions(directory: Path) -> str:
         return ""
     real = directory.resolve()
     home = Path(os.path.expanduser("~")).resolve()
-    for place in (real, *real.parents):
-        found = place.stat()
-        of_system = place != real and found.st_uid == 0
-        if found.st_uid != os.getuid() and not of_system:
-            return f"{place} belongs to user {found.st_uid}, expected {os.getuid()}"
+    for level in (real, *real.parents):
+        info = level.stat()
+        of_system = level != real and info.st_uid == 0
+        if info.st_uid != os.getuid() and not of_system:
+            return f"{level} belongs to user {info.st_uid}, expected {os.getuid()}"
         # With the sticky bit, as on /tmp, only the owner may rename or remove a file.
-        sticky = place != real and found.st_mode & stat.S_ISVTX
-        if found.st_mode & (stat.S_IWGRP | stat.S_IWOTH) and not sticky:
-            rights = f"{stat.S_IMODE(found.st_mode):o}"
-            return f"{place} can be written by its group or by others (mode {rights})"
-        if place == home or (of_system and os.getuid() != 0):
+        sticky = level != real and info.st_mode & stat.S_ISVTX
+        if info.st_mode & (stat.S_IWGRP | stat.S_IWOTH) and not sticky:
+            rights = f"{stat.S_IMODE(info.st_mode):o}"
+            return f"{level} can be written by its group or by others (mode {rights})"
+        if level == home or (of_system and os.getuid() != 0):
             return ""
     return ""

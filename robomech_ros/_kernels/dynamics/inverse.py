@@ -83,7 +83,7 @@ def next_motion(motion, E, slides, rate, gain):
 
 
 @lean
-def _keep(room, i, E, n, f):
+def _store(room, i, E, n, f):
     """Store the transform in front of link i, and its moment and force."""
     for j in range(12):
         room[i, j] = E[j]
@@ -147,7 +147,7 @@ def _joint_torques(model, q, qd, qdd, around, out):
         n = combined(mixed(b, x, y, z), cross(w, mixed(w, x, y, z)), 1.0)
         if loaded:
             moment, force = into(E, moment), into(E, force)
-        _keep(room, i, E, combined(n, cross(h, a), 1.0), f)
+        _store(room, i, E, combined(n, cross(h, a), 1.0), f)
     status |= _collect(model, room, (moment, force), out)
     for i in range(count):
         out[i] += model[i, 23] * qdd[i]
@@ -190,7 +190,7 @@ def _joint_gravity(model, q, around, out):
         a = into(E, a)
         if loaded:
             moment, force = into(E, moment), into(E, force)
-        _keep(room, i, E, cross(three(model[i], 14), a), scaled(a, model[i, 13]))
+        _store(room, i, E, cross(three(model[i], 14), a), scaled(a, model[i, 13]))
     return status | _collect(model, room, (moment, force), out)
 
 

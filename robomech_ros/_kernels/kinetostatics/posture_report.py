@@ -121,7 +121,7 @@ def _decompose(W, s, left, right, values):
 
 
 @inline
-def _lost(left, rank, motions, weights, lost):
+def _write_lost(left, rank, motions, weights, lost):
     """Write twists possible in other postures only, of weighted norm 1, to lost (6, 6).
 
     Returns their number.
@@ -148,7 +148,7 @@ def _moving(free, rank, out):
 
 
 @inline
-def _judge(s, order, regular):
+def _product_and_condition(s, order, regular):
     """Return product and condition number of the `regular` largest singular values.
 
     The others are 0 in every posture, as for a planar arm of four joints.
@@ -175,17 +175,17 @@ def _report(J, pose, place, parts, motions, regular, values, numbers, lost, idle
             plain[i, k] = J[i, k] if n >= 6 else J[k, i]
     make_rows_orthogonal(plain, large)
     row_lengths(plain, large, s)
-    numbers[0], numbers[1] = _judge(s, order, regular)
+    numbers[0], numbers[1] = _product_and_condition(s, order, regular)
     W, weights = np.empty((small, small + large)), np.ones(6)
     weights[3:] = 1.0 / length
     fill_weighted(J, weights, np.arange(6), W)
     make_rows_orthogonal(W, large)
     row_lengths(W, large, s)
     rank = _decompose(W, s, idle, free, values)
-    numbers[2] = _judge(s, order, regular)[1]
+    numbers[2] = _product_and_condition(s, order, regular)[1]
     _complete(idle, rank)
     _complete(free, rank)
-    count = _lost(idle, rank, motions, weights, lost) if rank < regular else 0
+    count = _write_lost(idle, rank, motions, weights, lost) if rank < regular else 0
     for i in range(rank, 6):
         for k in range(3):
             idle[i, k] *= length

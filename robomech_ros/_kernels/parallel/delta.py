@@ -45,9 +45,9 @@ def delta_angles(geometry, azimuths, point, angles, excess):
             return -1
         middle = math.atan2(-z, X)
         half = math.acos(max(-1.0, min(1.0, d / radius)))
-        for way in range(2):
-            angle = middle + half if way == 1 else middle - half
-            angles[k, way] = math.atan2(math.sin(angle), math.cos(angle))
+        for branch in range(2):
+            angle = middle + half if branch == 1 else middle - half
+            angles[k, branch] = math.atan2(math.sin(angle), math.cos(angle))
     return missed
 
 
@@ -87,7 +87,7 @@ def delta_points(geometry, azimuths, q, points, report):
     count = 1 if left <= _ROUNDING * forearm * forearm else 2
     rise = math.sqrt(max(0.0, left) / square)
     u, v, w = b * f - c * e, c * d - a * f, a * e - b * d
-    for way in range(count):
-        r = rise if way == 1 else -rise
-        points[way, 0], points[way, 1], points[way, 2] = x + g + r * u, y + h + r * v, z + i + r * w
+    for k in range(count):
+        r = rise if k == 1 else -rise
+        points[k, 0], points[k, 1], points[k, 2] = x + g + r * u, y + h + r * v, z + i + r * w
     return count

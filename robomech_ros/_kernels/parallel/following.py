@@ -32,7 +32,7 @@ _ROUNDING = 1e-9
 
 
 @lean
-def _bend(B, J, inverse, r, H):
+def _curvature_norm(B, J, inverse, r, H):
     """Return the Frobenius norm |J^-1 F''|."""
     for k in range(6):
         d = J[k, 0], J[k, 1], J[k, 2]
@@ -62,7 +62,7 @@ def _bend(B, J, inverse, r, H):
 
 
 @lean
-def _gone(start, pose):
+def _distance(start, pose):
     """Return the distance of two poses, as the length of (tau, w, g_0) in the frame of one."""
     trace = 1.0
     for i in range(9):
@@ -147,7 +147,7 @@ def follow(A, B, lengths, pose, report):
             for k in range(6):
                 size += b[k] * b[k]
             size = math.sqrt(size)
-            bend = _bend(B, J, inverse, r, H)
+            bend = _curvature_norm(B, J, inverse, r, H)
             if bend * size <= 0.5:
                 break
             step *= max(0.1, min(_PART, 0.5 * _PART / (bend * size)))
@@ -156,7 +156,7 @@ def follow(A, B, lengths, pose, report):
         start[:] = pose
         error = newton(A, B, aim, pose)
         radius = (1.0 - math.sqrt(1.0 - 2.0 * bend * size)) / bend
-        if not error >= 0.0 or _gone(start, pose) > radius * (1.0 + _ROUNDING) + _ROUNDING:
+        if not error >= 0.0 or _distance(start, pose) > radius * (1.0 + _ROUNDING) + _ROUNDING:
             pose[:] = start
             longest = 0.5 * step
             if longest < _LEAST_STEP:

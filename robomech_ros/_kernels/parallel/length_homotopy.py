@@ -90,7 +90,7 @@ def _predict(Sr, Si, state, xr, xi):
 
 
 @fused
-def _judge(xr, xi, state, turn, good):
+def _accept(xr, xi, state, turn, good):
     """Write the sizes of corrections, and flags of paths whose steps are good."""
     for n in range(LANES):
         size = 0.0
@@ -176,7 +176,7 @@ def track_lengths(A, B, s0, s1, X, ends, times):
             factor(Jr, Ji)
             solve(Jr, Ji, xr, xi)
             moved(qr, qi, xr, xi, sr, si, qr, qi)
-            _judge(xr, xi, state, turn, good)
+            _accept(xr, xi, state, turn, good)
         for n in range(LANES):
             if at[n] < 0:
                 continue

@@ -100,10 +100,10 @@ def planar_modes(A, B, rho, poses, errors, multiplicity):
     for k in range(found):
         u, v, r, w, x, s = _lines(A, B, rho, math.cos(zeros[k]), math.sin(zeros[k]))
         across, size = u * x - v * w, u * u + v * v + w * w + x * x
-        for way in range(3):
+        for branch in range(3):
             pose = poses[count]
             pose[2] = zeros[k]
-            if way == 0:
+            if branch == 0:
                 if not abs(across) > 1e-12 * size:
                     continue
                 pose[0], pose[1] = (r * x - s * v) / across, (s * u - r * w) / across
@@ -116,7 +116,7 @@ def planar_modes(A, B, rho, poses, errors, multiplicity):
                 if not square > 0.0:
                     break
                 root = math.sqrt(max(0.0, rho[0] * rho[0] * square - r * r))
-                root = root if way == 1 else -root
+                root = root if branch == 1 else -root
                 pose[0], pose[1] = (r * u - root * v) / square, (r * v + root * u) / square
             pose[0] += A[0, 0] - math.cos(zeros[k]) * B[0, 0] + math.sin(zeros[k]) * B[0, 1]
             pose[1] += A[0, 1] - math.sin(zeros[k]) * B[0, 0] - math.cos(zeros[k]) * B[0, 1]

@@ -155,8 +155,8 @@ def spherical_modes(W, V, cosines, poses, errors, multiplicity):
         a, b, d = _linear(W, V, cosines, M, 1)
         e, g, h = _linear(W, V, cosines, M, 2)
         across, size = a * g - e * b, math.sqrt((a * a + b * b) * (e * e + g * g))
-        for way in range(3):
-            if way == 0:
+        for branch in range(3):
+            if branch == 0:
                 if not abs(across) > 1e-12 * size:
                     continue
                 y = math.atan2((a * h - e * d) / across, (d * g - h * b) / across)
@@ -167,7 +167,7 @@ def spherical_modes(W, V, cosines, poses, errors, multiplicity):
                     a, b, d = e, g, h
                 square = a * a + b * b
                 root = math.sqrt(max(0.0, square - d * d))
-                y = math.atan2(b, a) + math.atan2(root if way == 1 else -root, d)
+                y = math.atan2(b, a) + math.atan2(root if branch == 1 else -root, d)
             _complete(M, V[0], y, poses[count])
             error, determinant = _polish(W, V, cosines, poses[count])
             if error <= _CLOSED:

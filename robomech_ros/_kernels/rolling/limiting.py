@@ -26,9 +26,9 @@ _SLACK = 1e-11
 # Bisections in the search for the move of the rest point, without and with steered wheels.
 _HALVINGS, _HALVINGS_STEERED = 48, 24
 # A rest point that can move by less than this fraction of its path is blocked.
-_STUCK = 1e-9
+_BLOCKED = 1e-9
 # Square of the fraction of the twist below which a slow pivot keeps its direction.
-_STILL = 1e-18
+_SLOW = 1e-18
 # Angles (rad) this far beyond a limit are at it, and directions this near (rad) are equal.
 _AT_LIMIT, _SAME = 1e-9, 1e-12
 # Rounding error of a value that decreases to zero, relative to its start.
@@ -38,20 +38,20 @@ _MOST_AHEAD = 100000
 
 
 @inline
-def _periods(way):
+def _relative_acceleration(distance):
     """Return the acceleration (of jerk times period) for a distance (of jerk times period^2)."""
-    whole = math.floor(0.5 * (math.sqrt(8.0 * way + 1.0) - 1.0))
-    return (way + 0.5 * whole * (whole + 1.0)) / (whole + 1.0)
+    whole = math.floor(0.5 * (math.sqrt(8.0 * distance + 1.0) - 1.0))
+    return (distance + 0.5 * whole * (whole + 1.0)) / (whole + 1.0)
 
 
 @inline
 def _aim(v, a, target, axes, period, out):
     """Write the first acceleration towards a rest point; return whether it is allowed."""
-    way = 0.0
+    distance = 0.0
     for i in range(3):
-        way = max(way, abs(target[i] - v[i]) / (axes[JERK, i] * period * period))
-    share = _periods(way) / way if way > 0.0 else 1.0
-    if way <= 1.0:
+        distance = max(distance, abs(target[i] - v[i]) / (axes[JERK, i] * period * period))
+    share = _relative_acceleration(distance) / distance if distance > 0.0 else 1.0
+    if distance <= 1.0:
         share = 1.0
     allowed = True
     for i in range(3):
@@ -78,7 +78,7 @@ def _steer(pivots, v, new):
     for k in range(pivots.shape[0]):
         x, y = v[1] - v[0] * pivots[k, Y], v[2] + v[0] * pivots[k, X]
         square = x * x + y * y
-        if square <= _STILL * size:
+        if square <= _SLOW * size:
             continue
         along = new[k, 1] * x + new[k, 2] * y
         across = new[k, 1] * y - new[k, 2] * x
@@ -99,11 +99,11 @@ def _steer(pivots, v, new):
 @inline
 def _next_twist(v, a, target, axes, period, out):
     """Write the twist after a period: the target itself, if the jerk of one period suffices."""
-    way = 0.0
+    distance = 0.0
     for i in range(3):
-        way = max(way, abs(target[i] - v[i]) / (axes[JERK, i] * period * period))
+        distance = max(distance, abs(target[i] - v[i]) / (axes[JERK, i] * period * period))
     for i in range(3):
-        out[i] = target[i] if way <= 1.0 else v[i] + a[i] * period
+        out[i] = target[i] if distance <= 1.0 else v[i] + a[i] * period
 
 
 @inline
@@ -124,14 +124,14 @@ def _steering_holds(v, a, target, axes, period, pivots, ahead, twist, gain):
 
 
 @inline
-def _aligned(pivots, command):
+def _align(pivots, command):
     """Steer wheels at rest towards a command; return whether they had its directions already."""
     size = command[0] ** 2 + command[1] ** 2 + command[2] ** 2
     ready = True
     for k in range(pivots.shape[0]):
         x = command[1] - command[0] * pivots[k, Y]
         y = command[2] + command[0] * pivots[k, X]
-        if x * x + y * y <= _STILL * size:
+        if x * x + y * y <= _SLOW * size:
             continue
         change = math.atan2(
             pivots[k, COSINE] * y - pivots[k, SINE] * x, pivots[k, COSINE] * x + pivots[k, SINE] * y
@@ -192,7 +192,7 @@ def _largest_share(v, a, rest, goal, axes, period, pivots, work):
 
 
 @inline
-def _stuck_for_good(v, a, rest, goal, axes, period, pivots, work):
+def _stays_blocked(v, a, rest, goal, axes, period, pivots, work):
     """Return whether steering still blocks the rest point after the base has reached it.
 
     While the acceleration decreases, jerk may forbid a move that it allows later.
@@ -208,11 +208,11 @@ def _stuck_for_good(v, a, rest, goal, axes, period, pivots, work):
     still = work[3]
     for i in range(3):
         still[i] = 0.0
-    return _largest_share(rest, still, rest, goal, axes, period, later, room) <= _STUCK
+    return _largest_share(rest, still, rest, goal, axes, period, later, room) <= _BLOCKED
 
 
 @inline
-def _turned_round(v, goal, pivots):
+def _reverses_wheel(v, goal, pivots):
     """Return whether a wheel would be steered by more than a right angle between two twists.
 
     After a stop, it is faster to reverse its rolling; exactly opposite twists need no steering.
@@ -222,7 +222,7 @@ def _turned_round(v, goal, pivots):
         x, y = v[1] - v[0] * pivots[k, Y], v[2] + v[0] * pivots[k, X]
         to_x = goal[1] - goal[0] * pivots[k, Y]
         to_y = goal[2] + goal[0] * pivots[k, X]
-        if x * x + y * y <= _STILL * size:
+        if x * x + y * y <= _SLOW * size:
             continue
         across, along = x * to_y - y * to_x, x * to_x + y * to_y
         if along < 0.0 and abs(across) > -_SAME * along:
@@ -231,7 +231,7 @@ def _turned_round(v, goal, pivots):
 
 
 @inline
-def _still(v, a):
+def _is_at_rest(v, a):
     for i in range(3):
         if v[i] != 0.0 or a[i] != 0.0:
             return False
@@ -245,10 +245,10 @@ def _advance(state, command, axes, forward, period, pivots, work):
     goal = work[work.shape[0] - 1]
     for i in range(3):
         goal[i] = command[i]
-    if _still(v, a) and pivots.shape[0] > 0:
+    if _is_at_rest(v, a) and pivots.shape[0] > 0:
         if goal[0] == 0.0 and goal[1] == 0.0 and goal[2] == 0.0:
             return
-        if not _aligned(pivots, goal):
+        if not _align(pivots, goal):
             return
     # A base with limited curvature reverses only at rest.
     wanted = forward[0] * goal[0] + forward[1] * goal[1] + forward[2] * goal[2]
@@ -259,8 +259,8 @@ def _advance(state, command, axes, forward, period, pivots, work):
             goal[i] = 0.0
     share = _largest_share(v, a, rest, goal, axes, period, pivots, work)
     if pivots.shape[0] > 0 and (
-        _turned_round(rest, goal, pivots)
-        or (share <= _STUCK and _stuck_for_good(v, a, rest, goal, axes, period, pivots, work))
+        _reverses_wheel(rest, goal, pivots)
+        or (share <= _BLOCKED and _stays_blocked(v, a, rest, goal, axes, period, pivots, work))
     ):
         for i in range(3):
             goal[i] = 0.0

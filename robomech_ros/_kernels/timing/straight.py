@@ -25,9 +25,9 @@ def shortest_duration(start, goal, inverses, velocity, acceleration, jerk):
     """
     first, second, third = 0.0, 0.0, 0.0
     for j in range(start.shape[0]):
-        way = abs(goal[j] - start[j])
-        first = max(first, way * inverses[0, j])
-        second = max(second, way * inverses[1, j])
-        third = max(third, way * inverses[2, j])
+        distance = abs(goal[j] - start[j])
+        first = max(first, distance * inverses[0, j])
+        second = max(second, distance * inverses[1, j])
+        third = max(third, distance * inverses[2, j])
     curved = math.pow(third * jerk, 1.0 / 3.0)
     return max(first * velocity, math.sqrt(second * acceleration), curved)

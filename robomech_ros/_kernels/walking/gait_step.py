@@ -30,7 +30,7 @@ from robomech_ros._kernels.walking.support import signed_margin
 
 # Largest number of legs.
 MOST_LEGS = 16
-_AT_PLACE = 1e-6
+_NEUTRAL = 1e-6
 # Fractions of a swing between which the landing position becomes fixed.
 _FREE, _FIXED = 0.5, 0.8
 # Time constant (s) with which landing positions follow the twist.
@@ -82,7 +82,7 @@ _PATTERN = types.NamedTuple((IN2, IN1), Pattern)
 _STEP = types.NamedTuple((IN1, IN1, f8, f8), Step)
 _OLD = types.NamedTuple((IN1, IN2, IN2), State)
 _NEW = types.NamedTuple((OUT1, OUT2, OUT2), State)
-_SEEN = types.NamedTuple((OUT2, OUT2, OUT1), StepReport)
+_REPORT = types.NamedTuple((OUT2, OUT2, OUT1), StepReport)
 
 
 @lean
@@ -177,7 +177,7 @@ def _sway(geometry, settings, body, feet, wants):
             if int(body[10]) != k:
                 body[10] = k
                 body[6], body[7] = body[4], body[5]
-                here = wants or not _at_place(geometry, body, feet, k)
+                here = wants or not _is_neutral(geometry, body, feet, k)
                 body[8] = geometry[k, 3] if here else 0.0
                 body[9] = geometry[k, 4] if here else 0.0
                 body[11] = 1.0 if here else 0.0
@@ -189,9 +189,9 @@ def _sway(geometry, settings, body, feet, wants):
 
 
 @lean
-def _at_place(geometry, body, feet, k):
+def _is_neutral(geometry, body, feet, k):
     x, y = _in_frame(body, feet[k, 0], feet[k, 1])
-    return math.hypot(x - geometry[k, 0], y - geometry[k, 1]) < _AT_PLACE
+    return math.hypot(x - geometry[k, 0], y - geometry[k, 1]) < _NEUTRAL
 
 
 @lean
@@ -241,7 +241,7 @@ def _land(geometry, body, twist, passed, feet, k):
 
 
 @lean
-def _feet_on(geometry, settings, old, body, twist, time, feet):
+def _move_feet(geometry, settings, old, body, twist, time, feet):
     """Lift, move and set down feet."""
     cycle, duty = settings[0], settings[1]
     wants = twist[0] != 0.0 or twist[1] != 0.0 or twist[2] != 0.0
@@ -251,7 +251,7 @@ def _feet_on(geometry, settings, old, body, twist, time, feet):
             passed = min(time, (after - math.floor(after)) * cycle)
             _land(geometry, body, twist, passed, feet, k)
         elif feet[k, 7] == 0.0 and math.floor(after - duty) > math.floor(before - duty):
-            allowed = wants or not _at_place(geometry, body, feet, k)
+            allowed = wants or not _is_neutral(geometry, body, feet, k)
             if settings[4] > 0.0:
                 allowed = int(body[10]) == k and body[11] != 0.0
             if allowed:
@@ -262,13 +262,13 @@ def _feet_on(geometry, settings, old, body, twist, time, feet):
             _swing(geometry, settings, body, time, feet, k, after)
 
 
-@kernel(i8(IN3, IN3, _PATTERN, _STEP, _OLD, _NEW, _SEEN))
-def advance(packed, limits, pattern, step, old, new, seen):
+@kernel(i8(IN3, IN3, _PATTERN, _STEP, _OLD, _NEW, _REPORT))
+def advance(packed, limits, pattern, step, old, new, results):
     """Advance a state by a step; return -1, or the first leg whose foot is out of reach."""
     geometry, settings = pattern
     twist, pose, time, period = step
     body, feet, q = new
-    rates, trunk, report = seen
+    rates, trunk, report = results
     count = geometry.shape[0]
     for i in range(body.shape[0]):
         body[i] = old.body[i]
@@ -287,7 +287,7 @@ def advance(packed, limits, pattern, step, old, new, seen):
         body[3] += time / settings[0]
         if settings[4] > 0.0:
             _sway(geometry, settings, body, feet, wants)
-        _feet_on(geometry, settings, old.body, body, twist, time, feet)
+        _move_feet(geometry, settings, old.body, body, twist, time, feet)
     px, py, pz = pose[9] + body[4], pose[10] + body[5], pose[11]
     J, T, standing = scratch(6, 3), scratch(4, 4), scratch(MOST_LEGS, 2)
     down = 0
