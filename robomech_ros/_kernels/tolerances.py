@@ -53,7 +53,7 @@ PARALLEL_AXES = 1e-11
 AT_LIMIT = 1e-10
 
 # --- General six-joint arms ---
-# Ratio of the last to the first pivot of a Jacobian (lengths over the size) of a singular posture.
+# Largest ratio of last to first pivot of the Jacobian (lengths over the size) in singular postures.
 GENERAL_SINGULAR = 1e-6
 # The same ratio of the last but one pivot, below which the rank is at most four.
 GENERAL_CORANK = 1e-4

@@ -32,9 +32,9 @@ def _rotate(W, i, j, a, b, c):
 def make_rows_orthogonal(W, columns):
     """Turn the rows of W (r, c) by one-sided Jacobi rotations until they are orthogonal.
 
-    The first `columns` (at least r) decide, and the rotations apply to all.  If these are A, and
-    the others a unit matrix, they become R A and R: the rows of R are left singular vectors of A,
-    those of R A are right singular vectors times singular values.
+    Only the first `columns` (at least r) become orthogonal, but the rotations apply to all.  If
+    the first are A, and the others a unit matrix, they become R A and R: rows of R are left
+    singular vectors of A, rows of R A right singular vectors times singular values.
     """
     for _ in range(_SWEEPS):
         done = True

@@ -34,7 +34,7 @@ def rate_body(J, qd, out):
 
 @lean
 def gradient_body(J, G, out):
-    """Write the gradient (n,) to out of a function of J whose derivative with respect to J is G.
+    """Write the gradient (n,) of a function of J to out, from its derivative G (6, n) by J.
 
     Entry k is the sum of G * dJ / dq_k: ``a_k . sum_(i >= k) (a_i x g_i + m_i x h_i) + m_k .
     sum_(i < k) h_i x a_i`` with columns [g; h] of G.

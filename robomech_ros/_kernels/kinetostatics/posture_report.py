@@ -163,10 +163,10 @@ def _product_and_condition(s, order, regular):
 
 
 @inline
-def _report(J, pose, place, parts, motions, regular, values, numbers, lost, idle, free):
+def _report(J, pose, reference, parts, motions, regular, values, numbers, lost, idle, free):
     """Write the report on the Jacobian J (6, n); return rank and number of lost twists."""
-    n, length = J.shape[1], place[3]
-    move_jacobian(J, pose, place[:3])
+    n, length = J.shape[1], reference[3]
+    move_jacobian(J, pose, reference[:3])
     small, large = min(6, n), max(6, n)
     s, plain = np.empty(small), np.empty((small, large))
     order = np.empty(small, dtype=np.int64)
@@ -189,18 +189,18 @@ def _report(J, pose, place, parts, motions, regular, values, numbers, lost, idle
     for i in range(rank, 6):
         for k in range(3):
             idle[i, k] *= length
-    named_factors(J, parts, place[4], numbers[FACTORS:MOVING])
+    named_factors(J, parts, reference[4], numbers[FACTORS:MOVING])
     _moving(free, rank, numbers[MOVING:])
     return rank, count
 
 
 @kernel(i8(IN2, IN2, IN1, IIN1, IN2, i8, OUT2, OUT2, OUT4, OUT3, IOUT2))
 def posture_reports(
-    packed, q, place, parts, motions, regular, values, numbers, twists, free, counts
+    packed, q, reference, parts, motions, regular, values, numbers, twists, free, counts
 ):
     """Write reports on postures q (m, n); return the status.
 
-    ``place`` (5,) is the point, the length that divides linear rows, and the size for
+    ``reference`` (5,) is the point, the length that divides linear rows, and the size for
     :func:`named_factors`, which also has ``parts``.  ``motions`` (r, 6) spans all twists of the
     arm; ``regular`` is its largest rank.  Results of posture k are singular ``values``
     (min(6, n),); ``numbers`` (MOVING + n,); lost twists in the first rows of twists[k, 0] (6, 6);
@@ -215,7 +215,7 @@ def posture_reports(
         if status != OK:
             return status
         counts[k, 0], counts[k, 1] = _report(
-            J, pose, place, parts, motions, regular,
+            J, pose, reference, parts, motions, regular,
             values[k], numbers[k], twists[k, 0], twists[k, 1], free[k],
         )  # fmt: skip
     return status

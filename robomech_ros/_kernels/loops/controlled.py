@@ -213,7 +213,7 @@ def _remaining_travel(tables, drives, q, work):
 
 @kernel(i8(IN2, IIN1, IIN1, IN1, IN3, IN3, IN1, IN1, IN3, OUT1, OUT2, IOUT1))
 def servo_steps(
-    packed, starts, drives, weights, models, tables, how, around, wanted, state, out, report
+    packed, starts, drives, weights, models, tables, settings, around, wanted, state, out, report
 ):
     """Simulate a controller of the m drives along a desired motion; return a status.
 
@@ -222,8 +222,8 @@ def servo_steps(
     for :mod:`.dynamics`.  ``tables`` (2, 7, n) belong to the simulated chains and to the
     controller.  The first four rows are the friction of all joints, as for ``controlled_chain``;
     then, of the former, smallest and largest positions; of the latter, gains of errors and of
-    rates, and largest efforts.  ``how`` (5,) has the scale of :mod:`.factors`, the mode and the
-    share of ``controlled_chain``, the period (s) and its number of steps.  For ``around`` (15,)
+    rates, and largest efforts.  ``settings`` (5,) are the scale of :mod:`.factors`, mode and
+    share of ``controlled_chain``, period (s) and its number of steps.  For ``around`` (15,)
     see ``dynamics.layout``.
 
     ``wanted`` (k, 3, m) are positions, rates and accelerations of the drives at the start of each
@@ -232,8 +232,8 @@ def servo_steps(
     (k, n + 2 m) receives positions and rates at the end of each period, and its efforts, and
     ``report`` (1,) the number of periods.
     """
-    n, m, scale, share, period = drives.size, wanted.shape[2], how[0], how[2], how[3]
-    mode, substeps = int(how[1]), int(how[4])
+    n, m, scale, share, period = drives.size, wanted.shape[2], settings[0], settings[2], settings[3]
+    mode, substeps = int(settings[1]), int(settings[4])
     step = period / substeps
     room = room_for(starts, m)
     work = _work_for(n, m, room.own.size)
@@ -242,7 +242,7 @@ def servo_steps(
     plant = Chains(models[0], starts, drives, scale)
     model = Chains(models[1], starts, drives, scale)
     joints, known = tables[0], tables[1]
-    began = np.empty(n)
+    initial = np.empty(n)
     for k in range(wanted.shape[0]):
         report[0] = k
         status = _update_rates(plant, q, rates, room, work)
@@ -250,7 +250,7 @@ def servo_steps(
             status = _command(model, known, mode, around, q, rates, wanted[k], room, work)
         if status != REGULAR:
             return status
-        began[:] = q
+        initial[:] = q
         for j in range(n):
             a = drives[j]
             if a >= 0:
@@ -268,8 +268,8 @@ def servo_steps(
         if share > 0.0:
             _remaining_travel(joints, drives, q, work)
             if substeps > 1:
-                status = _update_rates(plant, began, work.before, room, work)
-            work.trial[:] = began
+                status = _update_rates(plant, initial, work.before, room, work)
+            work.trial[:] = initial
             if status == REGULAR:
                 status = _observe(model, known, around, share, period, both, room, work)
             if status != REGULAR:

@@ -8,25 +8,25 @@ CYCLE = 2e-3
 
 
 @kernel(i8(IN1, IN2, IN2, IN1, IN1, OUT2, OUT2))
-def postures_on_path(nodes, postures, slopes, places, rates, q, v):
+def postures_on_path(nodes, postures, slopes, coordinates, rates, q, v):
     """Write positions q and rates v (k, n) of the joints on a path of cubics.
 
     ``nodes`` (s,) are increasing path coordinates, and ``postures`` and ``slopes`` (s, n) the
-    positions there and their derivatives by the coordinate.  ``places`` (k,) are the sampled
+    positions there and their derivatives by the coordinate.  ``coordinates`` (k,) are the sampled
     coordinates, which do not decrease, and ``rates`` (k,) their time derivatives.
     """
     count, joints = postures.shape
     i = 0
-    for k in range(places.shape[0]):
+    for k in range(coordinates.shape[0]):
         if count == 1:
             for j in range(joints):
                 q[k, j] = postures[0, j]
                 v[k, j] = slopes[0, j] * rates[k]
             continue
-        while i < count - 2 and nodes[i + 1] <= places[k]:
+        while i < count - 2 and nodes[i + 1] <= coordinates[k]:
             i += 1
         width = nodes[i + 1] - nodes[i]
-        x = (places[k] - nodes[i]) / width
+        x = (coordinates[k] - nodes[i]) / width
         for j in range(joints):
             rise = postures[i + 1, j] - postures[i, j]
             first, last = width * slopes[i, j], width * slopes[i + 1, j]

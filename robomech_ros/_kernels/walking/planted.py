@@ -78,9 +78,8 @@ def _plant(packed, q, w, rows, rates, drift):
 def planted_legs(packed, q, stands, w, N, motion):
     """Write the complement N (6 + 3 k, 6 + 3 m) of k legs, m in the air; return OK or DOUBTFUL.
 
-    ``stands`` (k,) are 0 for legs in the air, w (6 + 3 m,) is the twist of the trunk and rates of
-    these legs.  ``motion`` (2, 6 + 3 k) receives the rates N w, and their derivative for constant
-    w.
+    ``stands`` (k,) are 0 for legs in the air, w (6 + 3 m,) are the twist of the trunk and rates of
+    these legs.  ``motion`` (2, 6 + 3 k) gets the rates N w, and their derivative for constant w.
     """
     N[:] = 0.0
     motion[:] = 0.0
