@@ -41,12 +41,10 @@ class Redundancy:
         """Return all postures (k, 7) at a value of the parameter."""
         q, branch = np.empty((MAX_SOLUTIONS, 7)), np.empty(MAX_SOLUTIONS, np.int64)
         if self.data[at.KIND] == at.ARM_ANGLE:
-            count = arm_angle_postures(self.data, self.T, self._seed, value, q, branch)
-            return q[:count]
+            return q[: arm_angle_postures(self.data, self.T, self._seed, value, q, branch)]
         locked = self._seed.copy()
         locked[0 if self.data[at.FIRST] else 6] = value
-        count = locked_postures(self.data, self.T, self._seed, locked, q, branch)
-        return q[:count]
+        return q[: locked_postures(self.data, self.T, self._seed, locked, q, branch)]
 
     def parameter(self, q: Array) -> float:
         """Return the parameter of a posture (7,)."""
@@ -61,9 +59,12 @@ class Redundancy:
         locked = 6 if self.data[at.FIRST] == 0.0 else 0
         if self._turns[locked]:
             return -math.pi, math.pi, True
-        size = float(self.data[at.SIZE])
+        # The tip is so far along the slide as the slide has moved, but for the arm's length.
+        size, transforms = float(self.data[at.SIZE]), self.chain.transforms
+        axis = self.T[:3, :3] @ transforms[-1][2, :3] if locked else transforms[0][:3, 2]
+        middle = float(axis @ self.T[:3, 3])
         low, high = float(self.chain.lower[locked]), float(self.chain.upper[locked])
-        return max(low, -size), min(high, size), False
+        return max(low, middle - size), min(high, middle + size), False
 
     def difference(self, p: Array, q: Array) -> Array:
         """Subtract postures, angles in (-pi, pi]."""
@@ -76,8 +77,7 @@ class Redundancy:
         if not len(q):
             return None
         moves = self.difference(q, guess)
-        k = int(np.abs(moves).max(axis=1).argmin())
-        return guess + moves[k]
+        return guess + moves[np.abs(moves).max(axis=1).argmin()]
 
     def matched(self, p: Array, q: Array, least: float) -> list[tuple[int, int]] | None:
         """Pair the postures of two neighbouring values; None where that is not clear.

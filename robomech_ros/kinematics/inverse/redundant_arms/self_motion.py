@@ -112,8 +112,7 @@ def self_motion(chain: SerialChain, T: ArrayLike) -> SelfMotion:
         closed = whole and bool(np.abs(redundancy.difference(q[0], q[-1])).max() < 1e-6)
         intervals = _intervals(redundancy, parameter, q)
         branches.append(SelfMotionBranch(parameter, q, closed, intervals))
-    name = parameter_name(chain, redundancy.data)
-    return SelfMotion(chain, target, name, tuple(branches))
+    return SelfMotion(chain, target, parameter_name(chain, redundancy.data), tuple(branches))
 
 
 def _pieces(redundancy: Redundancy) -> list[tuple[list[float], list[Array]]]:

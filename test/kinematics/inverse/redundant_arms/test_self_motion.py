@@ -140,6 +140,22 @@ def test_the_best_posture_is_best(name, criterion, pose_errors):
         assert best.branches == same.branches and best.continuum
 
 
+@pytest.mark.parametrize("last", [False, True])
+def test_a_long_slide_is_searched_where_the_arm_reaches(last, pose_errors):
+    """Beyond the arm's length from the zero of a slide nothing was found."""
+    a, b = [0, 0.4318, 0.0203, 0, 0, 0], [0, 0, 0.15, 0.4318, 0, 0.1]
+    alpha, q = [np.pi / 2 * one for one in (1, 0, -1, 1, -1, 0.4)], [0.3, 0.5, -1.2, 0.4, 0.8, 0.2]
+    limits, at = [[-3.1, 3.1]] * 6, 6 if last else 0
+    for values, more in ((a, 0), (b, 0), (alpha, 0.5), (limits, [-9.0, 9.0]), (q, 8.0)):
+        values.insert(at, more)
+    types = "RRRRRRP" if last else "PRRRRRR"
+    chain = chain_from_dh(a, b, alpha, types=types, limits=limits)
+    T = forward_kinematics(chain, q)
+    assert self_motion(chain, T).parameter_name == f"joint 'joint_{at + 1}'"
+    best = optimal_posture(chain, T)
+    assert "best by" in best.reason and pose_errors(chain, T, best.q).max() < 2e-9
+
+
 def test_out_of_reach_there_is_no_motion():
     chain = load_robot("panda")
     T = forward_kinematics(chain, chain.midrange())
