@@ -313,6 +313,23 @@ def test_a_base_reacts_to_joints_as_the_simulation_has_it(arm):
     assert base.robot is arm
 
 
+def test_a_body_captured_by_a_drifting_base_leaves_the_momentum_about_the_origin_as_it_was(arm):
+    q, _, _ = state(arm)
+    base = FloatingBase(arm, q, [90.0, -60.0, 30.0, 600.0, -300.0, 900.0], POSE)
+    base.move(q, np.zeros(7), 0.5)
+
+    def centre():
+        return base.pose[:3, :3] @ base.robot.center_of_mass(q) + base.pose[:3, 3]
+
+    def about_origin():
+        return base.momentum[:3] + np.cross(centre(), base.momentum[3:])
+
+    before, linear = about_origin(), base.momentum[3:]
+    base.capture(Body(700.0, [0.1, 0.2, 0.9], 90.0 * np.eye(3)))
+    np.testing.assert_allclose(about_origin(), before, rtol=1e-9)
+    np.testing.assert_allclose(base.momentum[3:], linear, rtol=1e-9)
+
+
 def test_drives_of_a_free_base_have_the_efforts_of_the_free_flyer(arm):
     momentum = np.array([90.0, -60.0, 30.0, 60.0, -30.0, 60.0])
     system = FloatingDynamics(arm, momentum)

@@ -110,6 +110,14 @@ def test_events_are_noted_and_may_end_it():
     found = simulate(*start, events=[bottom], **DOWN)
     assert found.reason.startswith("event 0 at 0.50") and len(found.events) == 1
 
+    def before(t, q, qd):
+        return q[0] + np.pi / 2 - 1e-6
+
+    bottom.terminal = False
+    found = simulate(*start, events=[bottom, before], **DOWN)
+    assert [number for _, number in found.events[:2]] == [1, 0]
+    assert np.diff([t for t, _ in found.events]).min() >= 0.0
+
 
 def test_a_motion_that_runs_away_is_stopped_with_its_state():
     for torque in (lambda t, q, qd: 1e9 * qd + 1, lambda t, q, qd: qd * np.exp(50 * t) * 1e6 + 1):

@@ -237,6 +237,13 @@ def test_a_timeout_ends_a_search(counted_search):
     result = inverse_kinematics(chain, T, timeout=6.5)
     assert counted_search.looks <= 6.5 + 4
     assert result.status is Status.TIMED_OUT and "6.5 s" in result.reason
+    # The search for the nearest posture has the time that is left.
+    chain = load_robot("planar3r")
+    T = forward_kinematics(chain, chain.midrange())
+    T[0, 3] += 5.0
+    counted_search.forget()
+    assert inverse_kinematics(chain, T, timeout=2.5).nearest is not None
+    assert counted_search.looks <= 2.5 + 3
 
 
 def test_batch_agrees_with_single_calls(ur5e):

@@ -125,6 +125,11 @@ def test_too_many_points_are_refused_with_the_period_that_would_do():
             plan([0.0], [1.0], limits, profile, period=1e-4, max_points=100)
         least = float(caught.value.expected.split()[2])
         assert len(plan([0.0], [1.0], limits, profile, period=least).waypoints.times) <= 100
+        count = len(plan([0.0], [1.0], limits, profile, period=0.01).waypoints.times)
+        exact = plan([0.0], [1.0], limits, profile, period=0.01, max_points=count)
+        assert len(exact.waypoints.times) == count
+        with pytest.raises(BadValueError, match=f"may have {count - 1} points"):
+            plan([0.0], [1.0], limits, profile, period=0.01, max_points=count - 1)
 
 
 def test_a_moving_start_is_kept():

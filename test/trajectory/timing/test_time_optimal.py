@@ -283,6 +283,13 @@ def test_a_part_where_nothing_moves_takes_no_time():
     motion = time_optimal(path, named([9.0], [1.0]))
     assert motion.duration == pytest.approx(4.0, rel=ROUNDING)
     np.testing.assert_allclose(motion.sample(motion.duration).position, 2.0, rtol=1e-9)
+    # The same where the path comes to rest without a corner, and where it begins with such a part.
+    smooth = PiecewisePolynomial(np.arange(5.0), np.zeros((4, 4, 1)))
+    smooth.coefficients[0, :, 0] = [0.0, 0.0, 1.0, 1.0]
+    smooth.coefficients[2:, 1::2, 0] = [[3.0], [-2.0]]
+    motion = time_optimal(smooth, named([9.0], [1.0]))
+    assert motion.duration == pytest.approx(4.0, rel=2e-3)
+    np.testing.assert_allclose(motion.sample(motion.duration).position, 2.0, rtol=1e-9)
 
 
 def test_a_very_short_path_lasts_a_millisecond():

@@ -79,6 +79,13 @@ def test_what_has_no_closed_form_is_searched():
     np.testing.assert_allclose(found.q[0], q, atol=1e-6)
 
 
+def test_without_limits_not_all_windings_are_tried_and_all_are_not_claimed():
+    chain = coupled("coupled_finger")
+    T = forward_kinematics(chain, chain.midrange())
+    found = inverse_kinematics(chain, T, respect_limits=False)
+    assert (found.family, found.complete, len(found) > 0) == ("coupled", False, True)
+
+
 def test_a_hollow_wrist_is_no_plain_one():
     """Its arm has six drives, and the first three of its four axes meet."""
     chain, twist = spherical_wrist(), np.arange(1.0, 7.0)
