@@ -15,7 +15,7 @@ from robomech_ros.cartesian import (
 )
 from robomech_ros.errors import BadValueError, MissingLimitsError, RobomechError, UnknownJointError
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.robots import list_robots, load_robot
+from robomech_ros.robots import list_robots, load_description, load_robot
 from robomech_ros.trajectory import (
     PATH_PROFILES,
     Limits,
@@ -117,6 +117,14 @@ def test_samples_are_as_fine_and_as_few_as_wanted():
     fine = plan_followed(followed, sampling=Sampling(period=1.0, max_step=0.002))
     tips = forward_kinematics(PUMA, fine.waypoints.positions)[:, :3, 3]
     assert np.linalg.norm(np.diff(tips, axis=0), axis=1).max() <= 0.002
+
+    def largest(**sampling):
+        plan = plan_followed(followed, sampling=Sampling(period=1.0, **sampling))
+        places = forward_kinematics(PUMA, plan.waypoints.positions)[:, :3, 3]
+        return np.linalg.norm(np.diff(places, axis=0), axis=1).max()
+
+    widest = largest()
+    assert largest(max_step=0.7 * widest) <= 0.7 * widest
     for sampling, text in (
         (Sampling(max_duration=3.0), "at most 3 s, the parameter max_duration"),
         (Sampling(max_points=10), "at most 10, the parameter max_points"),
@@ -130,11 +138,14 @@ def test_the_speed_of_another_link_is_kept():
     path = waypoint_path(HERE, shifted([0.2, 0.0, 0.0]))
     followed = follow_path(PUMA, path, START)
     elbow = load_robot("puma560", tip="link_3")
-    slow = link_speed_limit(PUMA, followed.joints, elbow, 0.02)
-    plan = plan_followed(followed, speed_limits=[slow], profile="time_optimal")
-    places = forward_kinematics(elbow, plan.waypoints.positions[:, : elbow.n])[:, :3, 3]
-    speeds = np.linalg.norm(np.diff(places, axis=0), axis=1) / np.diff(plan.waypoints.times)
-    assert 0.019 < speeds.max() < 0.02 * (1.0 + 1e-5)
+    hand = load_description("puma560").chain("link_1", "tool0")
+    for link, first in ((elbow, 0), (hand, 1)):
+        slow = link_speed_limit(PUMA, followed.joints, link, 0.02)
+        plan = plan_followed(followed, speed_limits=[slow], profile="time_optimal")
+        q = plan.waypoints.positions[:, first : first + link.n]
+        places = forward_kinematics(link, q)[:, :3, 3]
+        speeds = np.linalg.norm(np.diff(places, axis=0), axis=1) / np.diff(plan.waypoints.times)
+        assert 0.019 < speeds.max() < 0.02 * (1.0 + 1e-5)
     with pytest.raises(UnknownJointError, match="waist"):
         link_speed_limit(load_robot("scara"), followed.joints, PUMA, 0.1)
 

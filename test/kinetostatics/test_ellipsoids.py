@@ -45,6 +45,8 @@ def test_one_joint_moves_along_one_line():
     np.testing.assert_array_equal(velocity, [2.0, 0.0, 0.0])
     np.testing.assert_array_equal(force, [0.5, np.inf, np.inf])
     np.testing.assert_array_equal(manipulability_ellipsoid(np.zeros((3, 2))).velocity, 0.0)
+    thin, nothing = (manipulability_ellipsoid(np.diag([1.0, 1.0, x])) for x in (1e-11, 1e-13))
+    assert thin.velocity[2] == pytest.approx(1e-11) and nothing.velocity[2] == 0.0
 
 
 @pytest.mark.parametrize(

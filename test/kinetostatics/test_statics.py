@@ -109,6 +109,8 @@ def test_what_is_refused():
         joint_torques(puma, q, np.zeros(6), axes="tol0")
     with pytest.raises(BadValueError, match="scara with 4 joints.*six joints or more"):
         wrench_from_torques(load_robot("scara"), np.zeros(4), np.zeros(4))
+    with pytest.raises(BadValueError, match="vx300 with 5 joints"):
+        wrench_from_torques(load_robot("vx300"), np.full(5, 0.2), np.zeros(5))
     with pytest.raises(NonFiniteError, match="torques of joint 'elbow'"):
         wrench_from_torques(puma, q, [0, 0, np.inf, 0, 0, 0])
     with pytest.raises(WrongSizeError, match="torques .*as q"):

@@ -54,6 +54,14 @@ def test_links_are_where_the_tree_has_them(tip, drives):
             np.testing.assert_allclose(found, tree[link], atol=1e-13)
 
 
+def test_friction_of_followers_counts_at_their_drive():
+    knee = '<axis xyz="0 1 0"/>'
+    text = URDF.replace(knee, knee + '<dynamics damping="0.5" friction="0.2"/>')
+    # knee = -2 turn + 0.3: its friction is felt twice, and its rate is twice as large.
+    drive = load_description(text).chain("base", "b").drives[1]
+    assert (drive.viscous, drive.coulomb) == (2.0, 0.4)
+
+
 def test_limits_of_followers_restrict_their_drive():
     chain = load_description(URDF).chain("base", "d")
     # knee = -2 turn + 0.3 within 3 and at most 1 rad/s; bar = -turn + 0.05 restricts no more.

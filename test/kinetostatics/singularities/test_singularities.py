@@ -161,6 +161,16 @@ def test_nearest_of_arms_with_more_or_fewer_joints(robot):
     assert 0.0 < near.distance < 3.0
 
 
+def test_the_way_of_a_slide_to_a_singularity_counts_in_lengths():
+    a, b = [0.2, 0.3, 0.1, 0.4, 0.2, 0.3], [0.1, 0.3, 0.4, 0.2, 0.1, 0.3]
+    chain = chain_from_dh(a, b, [1.2, 0.8, 1.2, 0.6, 1.2, 1.0], types="RPRRRR")
+    q = np.full(6, 0.3)
+    near = nearest_singular_posture(chain, q, length=LENGTH)
+    unit = np.where(chain.types == 1, LENGTH, 1.0)
+    assert abs(near.q[1] - q[1]) > 1e-4
+    assert near.distance == pytest.approx(np.linalg.norm((near.q - q) / unit))
+
+
 def test_what_is_refused():
     chain = load_robot("puma560")
     with pytest.raises(WrongSizeError, match="q "):

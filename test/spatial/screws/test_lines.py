@@ -53,6 +53,9 @@ def test_lines_through_one_point_meet_there_and_others_do_not():
     np.testing.assert_allclose(spatial.line_intersection(one, two), p, atol=1e-12)
     np.testing.assert_allclose(spatial.line_reciprocity(one, two), 0.0, atol=1e-14)
     assert np.isnan(spatial.line_intersection(FIRST, SECOND)).all()
+    far = np.array([1e8, 2e8, -1e8])
+    one, two = (spatial.line_through(far, e) for e in ([0.1, -0.1, 0.6], [0.1, -0.5, 0.4]))
+    np.testing.assert_allclose(spatial.line_intersection(one, two), far, rtol=1e-12)
 
 
 def test_lines_are_the_same_seen_from_every_point():

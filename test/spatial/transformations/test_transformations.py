@@ -45,6 +45,8 @@ def test_projections_and_reflections():
     np.testing.assert_allclose(spatial.reflection_normal(H), unit, atol=1e-14)
     with pytest.raises(BadValueError, match="off by"):
         spatial.reflection_normal(Q[0])
+    with pytest.raises(BadValueError, match="off by 0.00"):
+        spatial.reflection_normal(H[0] + 1e-3)
 
 
 def test_two_reflections_are_a_rotation_by_twice_the_angle():
