@@ -49,7 +49,7 @@ def test_a_contact_is_left_and_what_follows_is_proved(scene):
     assert scene.clearance(turned(0.1, 0.6, 0.1).sample(back.parameter).position).distance < 1e-3
 
 
-@pytest.mark.parametrize("angles", [(0.1, 0.0), (0.1, 0.0, 0.6), (0.1, 0.11)])
+@pytest.mark.parametrize("angles", [(0.1, 0.0), (0.1, 0.0, 0.6), (0.1, 0.0985, 0.6), (0.1, 0.11)])
 def test_a_contact_is_not_deepened_and_not_kept(scene, angles):
     found = check_departure(scene, turned(*angles))
     assert not found.free and found.least <= 0.0 and "wall" in found.bodies

@@ -301,6 +301,10 @@ def test_inside_of_meshes(mesh):
     assert scene.is_free([0.6, 0.0, 0.0])
     assert not scene.check_motion([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0]]).free
     assert scene.check_motion([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]).certified
+    apart, padded = scene.clearance(np.zeros(3)).distance, PlanningScene(scene.chain, padding=0.02)
+    padded.add("ring", mesh)
+    assert apart > 0.05
+    assert padded.clearance(np.zeros(3)).distance == pytest.approx(apart - 0.02, abs=1e-6)
 
 
 def box_mesh(a):

@@ -2,6 +2,7 @@
 
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.joints.joint_limits import with_assumed_rates
 from robomech_ros.robots import load_description
 from robomech_ros.servo.commands import PoseCommand
+from robomech_ros.servo.contact_slowing import ContactAhead, MotionAhead, slowed
 from robomech_ros.servo.report import ServoCondition
 
 ARMS = {"ur5e": shaped_ur5e, "six": six_joints}
@@ -92,6 +94,14 @@ def test_random_jogs_touch_nothing_and_leave_room_to_brake(scene):
             kept = KEPT if any(name in world.objects for name in bodies) else 0.0
             assert distance > kept - 1e-6, (bodies, q)
     assert slowed > 1
+
+
+def test_half_of_the_braking_suffices_to_stop_before_contact():
+    guard = SimpleNamespace(contact=lambda curve: ContactAhead(0.6, 1.0, 0.1, ""))
+    ahead = MotionAhead(np.array([[0.0], [1.0]]), seconds=0.5, stop=2.0, limited=1.0)
+    part = slowed(guard, ahead).part
+    # With half the braking a part p of the speed takes a way of p^2 stop, in s at full speed.
+    assert part**2 * ahead.stop == pytest.approx(0.6 * ahead.seconds, rel=0.01)
 
 
 def contacts(scene, random, count):
