@@ -3,6 +3,7 @@
 import time
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,13 +13,17 @@ from geometry_msgs.msg import TransformStamped
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from sensor_msgs.msg import JointState
 from servo_operator import START, Operator
 from tf2_msgs.msg import TFMessage
 
 from robomech_interfaces.msg import ServoStatus
 from robomech_ros.kinetostatics import jacobian
 from robomech_ros.nodes.common.parameters import ParameterError
+from robomech_ros.nodes.servo.command_reader import CommandReader
 from robomech_ros.nodes.servo.node import ServoNode
+from robomech_ros.nodes.servo.settings import SPEED_UNITS
+from robomech_ros.robots import load_robot
 
 
 def test_drives_the_tip_straight_and_stops_when_nobody_commands(operator):
@@ -33,6 +38,17 @@ def test_drives_the_tip_straight_and_stops_when_nobody_commands(operator):
     for _, message in hand.streamed:
         assert not any(message.points[-1].velocities)
         assert len(message.points) > 1 or message.points[0].time_from_start.nanosec > 0
+
+
+@pytest.mark.parametrize(("ahead", "left"), [(-0.1, 0.15), (0.0, 0.25), (0.1, 0.25)])
+def test_a_command_counts_from_its_stamp(ahead, left):
+    clock = SimpleNamespace(now=lambda: 100.0, until=lambda stamp, now: stamp.sec - now + ahead)
+    settings = SimpleNamespace(command_timeout=0.25, command_in_type=SPEED_UNITS, joint_scale=1.0)
+    model = SimpleNamespace(chain=load_robot("puma560"))
+    reader = CommandReader(model, None, None, clock, lambda: settings, lambda: 0.0)
+    message = JointState(name=["elbow"], velocity=[0.1])
+    message.header.stamp.sec = 100
+    assert reader.joint_state(message).until == pytest.approx(100.0 + left)
 
 
 def test_a_stream_continues_itself_and_ends_at_rest(simulated_time, operator):
