@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from robomech_ros import errors
+from robomech_ros.errors.formatting import counted
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "doc" / "extensions"))
@@ -94,6 +95,10 @@ def test_every_error_of_a_public_package_is_exported():
             hidden += [f"{path}: {name}" for name in classes if name not in exported]
     assert {"AddressError", "DaskUnavailableError", "LostPostureError"} <= exported
     assert hidden == []
+
+
+def test_only_one_has_no_plural():
+    assert [counted(k, "leg") for k in range(3)] == ["0 legs", "1 leg", "2 legs"]
 
 
 def test_long_values_and_lists_are_cut():
