@@ -20,6 +20,7 @@ from shape_msgs.msg import Mesh, MeshTriangle, Plane, SolidPrimitive
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.messages.joint_messages import joint_state
 from robomech_ros.nodes.common.robot.robot_description import LATCHED
+from robomech_ros.nodes.move_group.shape_messages import shapes_of
 
 REMOVE, MOVE, APPEND = CollisionObject.REMOVE, CollisionObject.MOVE, CollisionObject.APPEND
 TIP = forward_kinematics(UR5E, HERE)[:3, 3]
@@ -120,6 +121,12 @@ def test_every_shape_is_known(client, kind, shape):
     moved.pose.position.z = -2.0
     assert client.apply(moved)
     assert validity(client).valid
+
+
+def test_a_plane_is_where_its_equation_has_it():
+    """2 z - 1 = 0, with the coefficients of shape_msgs."""
+    ((plane, _),) = shapes_of(CollisionObject(planes=[Plane(coef=[0.0, 0.0, 2.0, -1.0])]))
+    np.testing.assert_allclose([*plane.normal, plane.offset], [0.0, 0.0, 1.0, 0.5])
 
 
 def test_an_object_in_the_frame_of_a_link_stands_where_the_link_is(client):
