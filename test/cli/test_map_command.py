@@ -43,6 +43,7 @@ def test_a_map_is_computed_told_and_drawn(tmp_path, capfd):
     assert found.cells.tobytes() == wanted.cells.tobytes()
     assert f"condition number  {wanted.best_condition_number:.4g} at best" in made.stdout
     assert f"reached    {(wanted.reached > 0).sum()} (" in made.stdout
+    assert f", {(wanted.reached == 10).sum()} in all orientations" in made.stdout
     picture = tmp_path / "map.svg"
     drawn = run(capfd, "plot-map", tmp_path / "map.npz", "--output", picture)
     assert drawn == (0, f"{picture}: 147 of 147 points\n", "")

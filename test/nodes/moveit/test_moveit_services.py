@@ -33,7 +33,12 @@ from robomech_ros.nodes.common.messages.joint_messages import joint_state
 from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.nodes.move_group.node import MoveGroupNode
 from robomech_ros.robots import load_description, load_robot
-from robomech_ros.spatial import inverse_pose, matrix_from_axis_angle, quaternion_from_matrix
+from robomech_ros.spatial import (
+    inverse_pose,
+    matrix_from_axis_angle,
+    quaternion_from_matrix,
+    rotation_vector_from_matrix,
+)
 
 PUMA = load_robot("puma560")
 UR5E = load_robot("ur5e")
@@ -357,11 +362,14 @@ def test_a_volume_may_move_with_a_link(ur5e, known):
 def test_an_orientation_constraint_chooses_another_solution(ur5e, known, vector):
     turns = [forearm(q)[:3, :3] for q in known]
     other = next(i for i, R in enumerate(turns) if np.trace(turns[0].T @ R) < 2.0)
-    # Wanted is what that solution has, turned by 0.2 about the link's y axis.
-    wanted = turns[other] @ matrix_from_axis_angle([0.0, 1.0, 0.0], 0.2)
+    # That solution is turned from what is wanted about x, y and z of the link, one after another.
+    angles = np.array([0.3, 0.2, -0.4])
+    about_x, about_y, about_z = matrix_from_axis_angle(np.eye(3), angles)
+    wanted = turns[other] @ (about_x @ about_y @ about_z).T
     x, y, z, w = quaternion_from_matrix(wanted).tolist()
     # A rotation vector is measured in the axes of the frame, three angles in those of the link.
-    needed = np.abs(wanted @ [0.0, 0.2, 0.0]) if vector else np.array([0.0, 0.2, 0.0])
+    turned = wanted @ rotation_vector_from_matrix(wanted.T @ turns[other]) if vector else angles
+    needed = np.abs(turned)
     names = [f"absolute_{axis}_axis_tolerance" for axis in "xyz"]
     for spare, code in ((1e-6, 1), (-1e-6, MoveItErrorCodes.NO_IK_SOLUTION)):
         allowed = np.maximum(needed + spare, 0.0).tolist()
