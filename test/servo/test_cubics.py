@@ -81,6 +81,12 @@ def test_what_ends_at_rest_loses_its_acceleration_there():
     reached = np.array([[0.0, -0.5], [0.0, 0.0]])
     assert check(jerk=251.0).of(*braked, reached).inside
     assert not check(jerk=249.0).of(*braked, reached).inside
+    # The jerk with which it comes to 0.5 m/s^2 ends at the same time.
+    braked = knots(0.0, 0.2, -1.5, 5.0)
+    braked[2][-1] = 0.0
+    reached = np.array([[0.0, -1.5], [0.0, 5.0]])
+    assert check(jerk=256.0).of(*braked, reached).inside
+    assert not check(jerk=254.0).of(*braked, reached).inside
 
 
 def test_the_end_of_a_cubic_has_its_acceleration_and_jerk():
