@@ -13,8 +13,10 @@ from robomech_ros.kinematics import forward_kinematics, inverse_kinematics
 from robomech_ros.kinetostatics import characteristic_length, jacobian, singularity_report
 from robomech_ros.nodes.common.messages.joint_messages import joint_state
 from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, stamped_pose
+from robomech_ros.nodes.kinematics.kinematic_results import distances_between
 from robomech_ros.nodes.kinematics.node import KinematicsNode
 from robomech_ros.robots import load_description, load_robot
+from robomech_ros.spatial import matrix_from_axis_angle, pose_from_matrix
 
 PUMA = load_robot("puma560")
 Q = np.array([0.3, -0.4, 0.2, 0.5, 0.6, -0.7])
@@ -46,6 +48,15 @@ def get_jacobian(graph, **fields):
 
 def target(q=Q, chain=PUMA, frame=""):
     return stamped_pose(forward_kinematics(chain, q), frame)
+
+
+def test_poses_are_apart_by_a_length_and_an_angle():
+    angles, T = np.array([0.0, 1e-8, 0.3, 2.0, np.pi]), forward_kinematics(PUMA, Q)
+    turned = matrix_from_axis_angle([0.6, 0.0, 0.8], angles)
+    moved = pose_from_matrix(turned @ T[:3, :3], T[:3, 3] + [0.3, 0.0, 0.4])
+    apart, angle = distances_between(np.tile(T, (5, 1, 1)), moved)
+    np.testing.assert_allclose(apart, 0.5)
+    np.testing.assert_allclose(angle, angles, atol=3e-8)
 
 
 def positions(response):
