@@ -176,6 +176,13 @@ def test_a_summary_tells_peaks_energy_and_saturation(rod):
     easy = rod.call(SummarizeTorques, "dynamics/summarize_torques", limp)
     assert (easy.saturated_joints, easy.error_code) == ([], 0)
     assert "within all effort limits" in easy.summary
+    held = [point(0.0, 0.0, 0.0), point(0.0, 0.0, 0.0, 1.0)]
+    for part, named in ((0.9, []), (1.1, ["hinge"])):
+        gravity = Vector3(z=-G * part * 7.0 / abs(weight(0.0)))
+        still = JointTrajectory(joint_names=["hinge"], points=held)
+        request = SummarizeTorques.Request(trajectory=still, gravity=gravity)
+        found = rod.call(SummarizeTorques, "dynamics/summarize_torques", request)
+        assert found.saturation[0] == pytest.approx(part) and found.saturated_joints == named
 
 
 REFUSALS = {
