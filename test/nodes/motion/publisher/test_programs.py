@@ -155,6 +155,7 @@ def test_without_program_or_robot(suite, tmp_path):
         ({"cycles": -1}, "cycles is -1, expected a whole number"),
         ({"more": "  odd: [1.0]\n"}, "posture 'odd': expected 6 positions, of waist"),
         ({"more": f"  far: {[9.0] * 6}\n"}, "posture 'far': joint 'waist' is 9.0, expected"),
+        ({"more": f"  low: {[-9.0] * 6}\n"}, "posture 'low': joint 'waist' is -9.0, expected"),
         ({"more": f"  nan: {['.nan'] * 6}\n".replace("'", "")}, "posture 'nan': joint 'waist'"),
     ],
 )
