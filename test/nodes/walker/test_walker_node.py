@@ -5,6 +5,7 @@ import math
 import re
 import threading
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,12 +18,19 @@ from std_msgs.msg import Float64, String
 from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from twist_driver import Driver
+from waiting import until
 
 from robomech_interfaces.msg import FootContacts
 from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.common.messages.pose_messages import pose_from_matrix
+from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.middleware.throttled_log import MOST as MOST_LOGGED
+from robomech_ros.nodes.walker.command_intake import CommandIntake
 from robomech_ros.nodes.walker.node import WalkerNode
+from robomech_ros.outcomes import Code
+from robomech_ros.spatial import matrix_from_roll_pitch_yaw
+from robomech_ros.spatial.poses import assembled
 from robomech_ros.walking import GAITS, load_legged, stability_margin
 
 ROBOTS = {
@@ -201,6 +209,27 @@ def test_joint_states_have_no_efforts_without_masses_or_without_a_number_for_eac
     send([*map(float, range(robot.n))])
     graph.receive(JointState, "joint_states", 5, lambda m: [*m.effort] == [*range(robot.n)])
     graph.receive(JointState, "joint_states", 5, lambda m: not len(m.effort))
+
+
+def test_a_body_pose_turns_the_trunk_as_it_says(graph):
+    given, told = np.array([0.1, -0.2, 0.05, 0.1, 0.2, 0.3]), []
+
+    def command_pose(values, duration):
+        told.append([*values, duration])
+        return SimpleNamespace(status=Code.NONE)
+
+    walker = SimpleNamespace(command_pose=command_pose, command_gait=None)
+    intake = CommandIntake(graph.client, walker, MotionClock(graph.client), 0.5)
+    publisher = graph.client.create_publisher(Pose, "body_pose", 10)
+    message = pose_from_matrix(assembled(matrix_from_roll_pitch_yaw(given[3:]), given[:3]))
+
+    def arrived():
+        publisher.publish(message)
+        intake.take(stands=True)
+        return told
+
+    until(arrived)
+    np.testing.assert_allclose(told[0], [*given, 0.5], atol=1e-12)
 
 
 def test_body_poses_move_the_trunk_over_planted_feet_or_are_refused_by_leg_and_joint(graph):
