@@ -26,6 +26,7 @@ def test_values_follow_the_order_of_the_trajectory():
         ([0.1], WrongSizeError, "size 1, expected 0 or 3"),
         ([0.1, math.nan, 0.1], NonFiniteError, "joint 'a' is nan"),
         ([0.1, 0.1, -2.0], BadValueError, "joint 'b' is -2.0"),
+        ([0.1, 0.1, -0.5], BadValueError, "joint 'b' is -0.5"),
     ],
 )
 def test_refusals(given, error, text):

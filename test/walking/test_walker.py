@@ -10,6 +10,7 @@ import pytest
 from robomech_ros.errors import RobomechError
 from robomech_ros.outcomes import Code
 from robomech_ros.walking import GAITS, Walker, load_legged, stability_margin
+from robomech_ros.walking.trunk_path import TrunkPath
 
 ROBOTS = {
     "wave": "phantomx",
@@ -177,6 +178,14 @@ def test_a_way_to_a_pose_does_not_tip_the_robot_however_short_it_should_be(gait,
     assert np.abs(rates[:, 2]).max() < 0.3 * 9.81
     moved = updates[-1].trunk[:3, 3] - updates[0].trunk[:3, 3]
     assert moved[axis] == pytest.approx(far * way[axis], abs=1e-4)
+
+
+def test_the_goal_of_many_poses_at_once_is_the_last_which_waits():
+    way = TrunkPath(np.zeros(6))
+    for k in range(40):
+        way = way.to(np.full(6, 0.001 * k), 1.0)
+    assert way.waiting
+    np.testing.assert_array_equal(way.goal, np.full(6, 0.039))
 
 
 @pytest.mark.slow

@@ -278,15 +278,17 @@ def test_with_a_state_the_answer_says_what_moves(analyze):
 def test_with_a_state_the_answer_has_the_efforts_and_who_is_overloaded(hold):
     q, contacts = posture()
     names = HAND.joint_names[::-1]
-    for weight, overloaded in ((-2.0, False), (-200.0, True)):
-        request = of_hand(ContactForces, contacts, q, wrench=loaded((0.0, 0.0, weight)))
+    loads = ((0.0, 0.0, -2.0), False), ((0.0, 0.0, -200.0), True), ((-200.0, 0.0, 0.0), True)
+    for force, overloaded in loads:
+        request = of_hand(ContactForces, contacts, q, wrench=loaded(force))
         request.state = JointState(name=list(names), position=q[::-1].tolist())
         answer = hold(request)
         assert (answer.error_code, answer.error_msg) == (0, "")
         components = np.concatenate([[f.x, f.y, f.z] for f in answer.forces])
         np.testing.assert_allclose(answer.efforts, finger_torques(HAND, q, contacts, components))
         assert bool(answer.overloaded_joints) == overloaded
-        assert set(answer.overloaded_joints) <= set(HAND.joint_names)
+        over = np.abs(answer.efforts) > np.concatenate([one.effort for one in HAND.fingers])
+        assert answer.overloaded_joints == [HAND.joint_names[k] for k in np.flatnonzero(over)]
 
 
 def pose_of(T):
