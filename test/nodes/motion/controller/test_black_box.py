@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from control_msgs.action import FollowJointTrajectory
 from drivers import NAME, seconds
 from follow_cases import (
     ABORTED,
@@ -22,6 +23,9 @@ from follow_cases import (
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from trajectory_msgs.msg import MultiDOFJointTrajectory
+
+from robomech_ros.execution.motion_tolerances import Tolerances
+from robomech_ros.nodes.joint_trajectory_controller.follow_messages import FollowMessages
 
 
 def test_success_single_point_sendgoal(follower):
@@ -175,6 +179,13 @@ def test_goal_time_of_the_goal(follower):
     arm.until_still()
     trajectory = arm.points((0.1, START, ZERO, ZERO))
     assert arm.follow(trajectory, goal_time_tolerance=seconds(-1))[0] == SUCCEEDED
+
+
+def test_the_goal_time_of_a_goal_counts_its_nanoseconds():
+    default = Tolerances(np.ones(1), np.ones(1), np.ones(1), 9.0)
+    goal = FollowJointTrajectory.Goal(goal_time_tolerance=seconds(1.5))
+    found, fault = FollowMessages(["joint1"]).tolerances(goal, default, ["joint1"])
+    assert (found.goal_time, fault) == (1.5, "")
 
 
 def test_no_time_from_start_state_tolerance_fail(follower):
