@@ -27,7 +27,6 @@ from robomech_ros.rvs.page.mesh_nodes import add_mesh
 from robomech_ros.rvs.page.node_space import place_node
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.twist_nodes import TwistNodes
-from robomech_ros.spatial.arrays import as_choice
 
 COLOURS = {"velocity": (40, 125, 230), "force": (235, 130, 30)}
 OPACITY = 0.4
@@ -83,16 +82,14 @@ class AnalysisLayer(Layer):
         for name in LABELS:
             self._switches.add_to(folder, name)
             if name == "force":
-                folder.dropdown(PART, tuple(ROWS), self._saved["part"], self._choose_part)
+                choose = partial(self._saved.__setitem__, "part")
+                folder.dropdown(PART, tuple(ROWS), self._saved["part"], choose)
         folder.button("Go to the least condition number", self._go)
 
     @property
     def _judges(self) -> bool:
         """True if the posture is judged, which needs the characteristic length."""
         return self._switches["numbers"] or self._switches["lost"]
-
-    def _choose_part(self, value: Any) -> None:
-        self._saved["part"] = as_choice(PART, value, tuple(ROWS))
 
     def _find_facts(self) -> None:
         if not self._asked_for_facts:
@@ -119,11 +116,10 @@ class AnalysisLayer(Layer):
         self._context.arm.move_to(facts.best.q)
 
     def _show_ellipsoid(self, kind: str) -> DrawnEllipsoid | None:
-        wanted = self._switches[kind]
-        node = self._nodes.get(kind)
+        wanted, node = self._switches[kind], self._nodes.get(kind)
+        if node is not None:
+            node.visible = wanted
         if not wanted:
-            if node is not None:
-                node.visible = False
             return None
         arm, reach = self._context.arm, self._context.seen.reach
         drawn = drawn_ellipsoid(arm.chain, arm.q, kind, self._saved["part"], reach)
@@ -133,7 +129,6 @@ class AnalysisLayer(Layer):
             self._nodes[kind] = node
         place_node(node, drawn.pose)
         node.scale = tuple(drawn.half_axes.tolist())
-        node.visible = True
         return drawn
 
     def _show_arrows(self, judged: PostureFacts | None) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.hands.contacts import MODELS
-from robomech_ros.numerics.arrays import finite_number
+from robomech_ros.numerics.arrays import real_within
 from robomech_ros.robots.joint import rotation_from_z
 from robomech_ros.rvs.model.arms.analysis import TwistArrows, twist_arrows
 from robomech_ros.rvs.model.bodies.solids import cone
@@ -23,7 +23,7 @@ from robomech_ros.rvs.page.node_space import NodeSpace, place_node
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.twist_nodes import TwistNodes
 from robomech_ros.spatial import quaternion_from_matrix
-from robomech_ros.spatial.arrays import as_choice, as_finite, as_flag
+from robomech_ros.spatial.arrays import as_finite
 
 BODY, BODY_OPACITY = (120, 150, 190), 0.25
 # Cones of fingers that touch, and of those that do not reach; and of those without friction.
@@ -209,7 +209,7 @@ class HandLayer(Layer):
     # Requests of browsers, on the thread of the page.
 
     def _choose_shape(self, value: Any) -> None:
-        self.hand.held = replace(self.hand.held, shape=as_choice("object", value, SHAPES))
+        self.hand.held = replace(self.hand.held, shape=value)
         self.hand.touch()
 
     def _choose_size(self, value: Any) -> None:
@@ -232,7 +232,7 @@ class HandLayer(Layer):
         self.hand.load[LOADS[name][0]] = given
 
     def _choose_spot(self, finger: int, name: str, value: Any) -> None:
-        new: Any = as_flag(name, value) if name == "touches" else _between(name, value, SPOT[name])
+        new: Any = value if name == "touches" else _between(name, value, SPOT[name])
         self.hand.spots[finger] = replace(self.hand.spots[finger], **{name: new})
         self.hand.touch()
 
@@ -259,7 +259,4 @@ def _quality(grasp: Grasp) -> Line:
 
 def _between(what: str, value: Any, travel: tuple[float, float, str]) -> float:
     low, high, unit = travel
-    given = finite_number(what, value, unit)
-    if not low <= given <= high:
-        raise BadValueError(what, value, f"{low:g} to {high:g} {unit}")
-    return given
+    return real_within(what, value, f"{low:g} to {high:g} {unit}", low, high)

@@ -62,11 +62,11 @@ class LiveLayer(LivePage):
 
     def controls(self, client: Any) -> Controls:
         """Add buttons for the goal and the folders Jog and ROS to the commanding browser."""
-        self._commander, self._wait_box = client.client_id, None
+        self._wait_box = None
         parts = [self._add_goal(client.gui)]
         if self._context.jogged is not None:
             parts.append(self._add_jog(client.gui, self._context.jogged))
-        return AllControls([*parts, super().controls(client), *self._pads])
+        return AllControls([*parts, super().controls(client)])
 
     def _add_goal(self, gui: Any) -> Controls:
         hint = (
@@ -220,9 +220,8 @@ class LiveLayer(LivePage):
     def show_waiting(self, waiting: bool) -> None:
         """Return whether plans wait to be executed on request."""
         self._waiting = waiting
-        box = self._wait_box
-        if self.is_open and box is not None and box.value != waiting:
-            box.value = waiting
+        if self.is_open and self._wait_box is not None:
+            self._wait_box.value = waiting
 
     def _leave_behind(self, behind: bool) -> None:
         """Hide ghosts and gizmo while the robot moves away from them."""

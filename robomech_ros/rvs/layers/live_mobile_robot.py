@@ -6,12 +6,11 @@ from typing import Any
 from numpy.typing import NDArray
 
 from robomech_ros.errors import BadValueError
-from robomech_ros.numerics.arrays import finite_number
+from robomech_ros.numerics.arrays import real_within
 from robomech_ros.rvs.model.draggable import ROUNDING
 from robomech_ros.rvs.model.running.jog import HoldHeartbeat
 from robomech_ros.rvs.model.running.live_robot import LiveMobileRobot, Stance
 from robomech_ros.rvs.model.running.observed_robot import ObservedRobot, Shift
-from robomech_ros.rvs.page.clients import AllControls, Controls
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import LayerContext
 from robomech_ros.rvs.page.live.hold_field import HoldField
@@ -20,7 +19,6 @@ from robomech_ros.rvs.page.live.live_page import LivePage
 from robomech_ros.rvs.page.path_nodes import PathNode
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.tables import fact_table
-from robomech_ros.spatial.arrays import as_choice
 
 TRAIL = (31, 119, 180)
 
@@ -62,11 +60,6 @@ class LiveMobileRobotLayer(LivePage):
         gait = [("gait", stance.gait)] if stance.gait else []
         self._table.content = fact_table("feet", [*gait, *stance.support.facts(text)])
 
-    def controls(self, client: Any) -> Controls:
-        """Add the controls to the commanding browser."""
-        self._commander = client.client_id
-        return AllControls([super().controls(client), *self._pads])
-
     def _fill(self, folder: Folder, gui: Any) -> None:
         followed = self._followed
         pad = HoldField(gui, 0, self._hold, self._robot.let_go, self.refuse)
@@ -93,13 +86,9 @@ class LiveMobileRobotLayer(LivePage):
 
     # Calls of the controls, on threads of the server.
 
-    def _choose_gait(self, value: Any) -> None:
-        if value == "":
-            return
-        try:
-            self._robot.choose_gait(as_choice("gait", value, self._followed.gaits))
-        except BadValueError as error:
-            self.refuse(error)
+    def _choose_gait(self, value: str) -> None:
+        if value:
+            self._robot.choose_gait(value)
 
     def _hold(self, beat: HoldHeartbeat, speed: float) -> None:
         direction, known = beat.direction, self._followed.directions
@@ -136,8 +125,5 @@ class LiveMobileRobotLayer(LivePage):
 
 
 def _checked(shift: Shift, value: object) -> float:
-    given = finite_number(shift.name, value, shift.unit)
-    if abs(given) > shift.most + ROUNDING:
-        expected = f"{-shift.most:.6g} to {shift.most:.6g} {shift.unit}"
-        raise BadValueError(shift.name, given, expected)
-    return given
+    expected, most = f"{-shift.most:.6g} to {shift.most:.6g} {shift.unit}", shift.most + ROUNDING
+    return real_within(shift.name, value, expected, -most, most)

@@ -4,15 +4,13 @@ import time
 from functools import partial
 from typing import Any
 
-from robomech_ros.errors import BadValueError
-from robomech_ros.numerics.arrays import finite_number
+from robomech_ros.numerics.arrays import real_within
 from robomech_ros.rvs.model.kinds.mobile_robot import AXES, MobileRobotView
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.path_nodes import PathNode
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.serving.ticker import Ticker
-from robomech_ros.spatial.arrays import as_flag
 
 # How often it is drawn while it moves (s), and what is made up for at most (s).
 TICK, MOST = 0.05, 0.4
@@ -73,15 +71,13 @@ class MobileRobotLayer(Layer):
 
     def _command(self, name: str, axis: int, value: Any) -> None:
         unit, most = AXES[axis][1], float(self._robot.most[axis])
-        given = finite_number(name, value, unit)
-        if abs(given) > most:
-            raise BadValueError(name, value, f"{-most:g} to {most:g} {unit}")
-        self._robot.command[axis] = given
+        expected = f"{-most:g} to {most:g} {unit}"
+        self._robot.command[axis] = real_within(name, value, expected, -most, most)
         self._robot.preview()
 
-    def _follow(self, value: Any) -> None:
-        self._follows = as_flag(self._robot.verb, value)
-        if self._follows:
+    def _follow(self, value: bool) -> None:
+        self._follows = value
+        if value:
             self._begin()
 
     def _begin(self) -> None:

@@ -7,9 +7,7 @@ import numpy as np
 
 from robomech_ros.kinematics import link_poses
 from robomech_ros.parallel import Mechanism
-from robomech_ros.rvs.model.ghosts import PALETTE, GhostMaker, Ghosts, Rgb
-from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts
-from robomech_ros.rvs.model.platforms.platform_view import PlatformView
+from robomech_ros.rvs.model.ghosts import PALETTE, mixed
 from robomech_ros.rvs.motion import Motion
 from robomech_ros.rvs.page.ghost_nodes import GhostBatch
 from robomech_ros.rvs.page.layer import LayerContext
@@ -58,7 +56,12 @@ class MotionScene:
         self._scene.add_frame(self._root, show_axes=False)
         styles = {"sweep": (SWEEP_SLIMNESS, SWEEP_OPACITY), "now": (NOW_SLIMNESS, NOW_OPACITY)}
         self._sweep, self._now = (
-            GhostBatch(self._scene, f"{self._root}/{name}", _ghosts(context, radius_scale), opacity)
+            GhostBatch(
+                self._scene,
+                f"{self._root}/{name}",
+                context.moved.ghosts(context.seen, radius_scale),
+                opacity,
+            )
             for name, (radius_scale, opacity) in styles.items()
         )
         self._lines: list[Any] = []
@@ -73,7 +76,9 @@ class MotionScene:
         if plan is None:
             return
         parts = np.linspace(0.0, 1.0, len(plan.sweep))
-        self._sweep.place(list(plan.sweep), [_between(part) for part in parts])
+        self._sweep.place(
+            list(plan.sweep), [mixed(START_COLOUR, GOAL_COLOUR, part) for part in parts]
+        )
         for number, link in enumerate(traced):
             self._trace(number, plan.traces[link])
 
@@ -103,17 +108,3 @@ class MotionScene:
                 axes_radius=AXES_RADIUS * self._reach,
             )
         )
-
-
-def _between(part: float) -> Rgb:
-    red, green, blue = (
-        round((1.0 - part) * a + part * b) for a, b in zip(START_COLOUR, GOAL_COLOUR, strict=True)
-    )
-    return red, green, blue
-
-
-def _ghosts(context: LayerContext, radius_scale: float) -> GhostMaker:
-    if isinstance(context.moved, PlatformView):
-        return PlatformGhosts(context.moved.mechanism, context.seen.reach, radius_scale)
-    chain = context.chain
-    return Ghosts(context.seen.tree.chain(chain.base, chain.tip), context.seen.shapes, radius_scale)

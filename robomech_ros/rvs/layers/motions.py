@@ -121,9 +121,9 @@ class MotionLayer(Layer):
         hint = "Times as fast as planned"
         speed = gui.add_slider("Speed", SLOWEST, FASTEST, SPEED_STEP, player.speed, hint=hint)
         folder.listen(speed, partial(self.ask, "speed", player.set_speed))
-        folder.checkbox("loop", player.loop, partial(_set_flag, player, "loop"))
+        folder.checkbox("loop", player.loop, partial(setattr, player, "loop"))
         hint = "The robot itself goes where the ghost at the time is"
-        folder.checkbox("arm goes along", self.along, partial(_set_flag, self, "along"), hint)
+        folder.checkbox("arm goes along", self.along, partial(setattr, self, "along"), hint)
 
     def _load(self) -> None:
         """Show another plan in the controls."""
@@ -138,11 +138,9 @@ class MotionLayer(Layer):
         """Show where the player is; the slider of the time is left where it is if it asked."""
         if not self.is_open:
             return
-        if not keep_time and self._time.value != self.player.time:
+        if not keep_time:
             self._time.value = self.player.time
-        label = "Pause" if self.player.playing else "Play"
-        if self._play.label != label:
-            self._play.label = label
+        self._play.label = "Pause" if self.player.playing else "Play"
         said = [("", self.status, self.warns)]
         if self.verdict is not None:
             said.append(("data-verdict", self.verdict.sentence, self.verdict.warns))
@@ -225,12 +223,12 @@ class MotionLayer(Layer):
         self.curves = as_choice("curves", name, CURVES)
         self._draw()
 
-    def _choose_sweep(self, shown: object) -> None:
-        self.sweep = bool(shown)
+    def _choose_sweep(self, shown: bool) -> None:
+        self.sweep = shown
         self._choose_traces()
 
-    def _choose_trace(self, link: str, shown: object) -> None:
-        self.traced[link] = bool(shown)
+    def _choose_trace(self, link: str, shown: bool) -> None:
+        self.traced[link] = shown
         self._choose_traces()
 
     def _choose_traces(self) -> None:
@@ -326,7 +324,3 @@ class MotionLayer(Layer):
         if not self.player.playing:
             self._ticker.stop()
         self._last = now
-
-
-def _set_flag(owner: object, name: str, value: object) -> None:
-    setattr(owner, name, bool(value))

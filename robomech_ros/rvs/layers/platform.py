@@ -16,7 +16,6 @@ from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.switches import Switches
 from robomech_ros.rvs.page.twist_nodes import TwistNodes
-from robomech_ros.spatial.arrays import as_choice
 
 # Switches, and their labels.
 LABELS = {"numbers": "numbers", "arrows": "singular directions"}
@@ -59,8 +58,7 @@ class PlatformLayer(Layer):
         self._table = folder.text()
 
     def _list_other(self, value: Any) -> None:
-        self._kind = as_choice("ghosts", value, LISTS)
-        self._list = None
+        self._kind, self._list = value, None
 
     def _found(self, q: Any, kind: str, judged: bool) -> tuple[PlatformList, PlatformFacts | None]:
         robot = self._context.platform.robot

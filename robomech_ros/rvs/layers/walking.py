@@ -11,7 +11,6 @@ from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.node_space import NodeSpace
 from robomech_ros.rvs.page.path_nodes import PathNode
 from robomech_ros.rvs.page.switches import Switches
-from robomech_ros.spatial.arrays import as_choice
 
 # Feet that stand, and feet in the air; the border; the way to the nearest edge, safe or not.
 STANDS, LIFTED = (40, 160, 70), (150, 150, 150)
@@ -85,17 +84,14 @@ class WalkingLayer(Layer):
             self._nodes.show(support, support.margin >= robot.bound)
         else:
             self._nodes.hide()
-        if self.is_open and self._gait.value != robot.chosen_gait:
+        if self.is_open:
             self._gait.value = robot.chosen_gait
         self.write("feet", robot.support_facts())
 
     def _fill(self, folder: Folder, gui: Any) -> None:
         hint = "In which it walks on as soon as it stands"
         gaits, chosen = self._robot.gaits, self._robot.chosen_gait
-        self._gait = folder.dropdown("gait", gaits, chosen, self._choose, hint)
+        self._gait = folder.dropdown("gait", gaits, chosen, self._robot.choose_gait, hint)
         hint = "Of the feet that stand, and the way from the mass centre to its nearest edge"
         self._switches.add_to(folder, SHOWN, hint)
         self._table = folder.text()
-
-    def _choose(self, value: Any) -> None:
-        self._robot.choose_gait(as_choice("gait", value, self._robot.gaits))

@@ -34,7 +34,6 @@ from robomech_ros.rvs.page.tables import SMALL, small_text
 from robomech_ros.rvs.page.workspace_nodes import WorkspaceNodes
 from robomech_ros.rvs.serving.scripts import script_that_fills
 from robomech_ros.rvs.serving.worker import Worker
-from robomech_ros.spatial.arrays import as_choice
 from robomech_ros.typing import Array
 
 # Colours of the bar of a legend.
@@ -128,7 +127,7 @@ class WorkspaceLayer(Layer):
         }
         self._choices = []
         for label, (name, values) in choices.items():
-            choose = partial(self._choose, name, values)
+            choose = partial(setattr, self._chosen, name)
             choice = folder.dropdown(label, values, getattr(self._chosen, name), choose)
             self._choices.append(choice)
         self._compute = folder.button("Compute the map", self._begin_map)
@@ -144,9 +143,6 @@ class WorkspaceLayer(Layer):
         super().close()
 
     # Requests of browsers.
-
-    def _choose(self, name: str, values: tuple[str, ...], value: Any) -> None:
-        setattr(self._chosen, name, as_choice(name, value, values))
 
     def _switched(self, name: str, asked: bool) -> None:
         self._around_eye |= asked and self._on[name] and name in AROUND

@@ -204,8 +204,7 @@ class WorldLayer(Layer):
         if self._dragged not in choices:
             self._dragged, self._held = NOTHING, False
         seen = self._dragged != NOTHING and self._on["objects"]
-        if self._gizmo.visible != seen:
-            self._gizmo.visible = seen
+        self._gizmo.visible = seen
         if seen and not self._held:
             one = world.objects[self._dragged]
             pose = one.pose.copy()
@@ -215,9 +214,7 @@ class WorldLayer(Layer):
     def _write(self, nearest: str, unchecked: str = "") -> None:
         if self.is_open:
             facts = [("nearest", nearest), *([("note", unchecked)] if unchecked else [])]
-            text = fact_table("world", facts)
-            if self._table.content != text:
-                self._table.content = text
+            self._table.content = fact_table("world", facts)
 
     def _extent(self) -> Array:
         """Return points (k, 3) in the root around the objects (m)."""

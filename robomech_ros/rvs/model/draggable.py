@@ -183,6 +183,6 @@ class DraggableRobot(ABC):
         """Move along the self-motion (rad or m from its beginning), as far as limits allow."""
         raise BadValueError("self-motion", length, "an arm of more than six joints")
 
-    def ghosts(self, seen: VisualModel) -> GhostMaker:
-        """Return the pieces of ghosts: none."""
+    def ghosts(self, seen: VisualModel, radius_scale: float | None = None) -> GhostMaker:
+        """Return the pieces of ghosts, with another factor of their radii: none."""
         return NoGhosts()

@@ -1,13 +1,17 @@
 """The tree of a robot in space, with joints that place its base and a captured body."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from robomech_ros.robots import Body, RobotDescription
 from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.urdf.elements import element, joint_element
-from robomech_ros.rvs.model.walking.placed_tree import GROUND, extended_tree, visual
+from robomech_ros.rvs.model.walking.placed_tree import (
+    GROUND,
+    INVISIBLE,
+    extended_tree,
+    placing_parts,
+    visual,
+)
 from robomech_ros.spatial import roll_pitch_yaw_from_matrix
 from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array
@@ -18,8 +22,6 @@ _PLACE = (
     *(("x", True, _X), ("y", True, _Y), ("z", True, _Z)),
     *(("yaw", False, _Z), ("pitch", False, _Y), ("roll", False, _X)),
 )
-# Range of these joints (m), and colours.
-_FAR = 1e4
 _COLOURS = {CRAFT: (0.75, 0.77, 0.8, 1.0), CAPTURED: (0.83, 0.62, 0.2, 1.0)}
 
 
@@ -39,7 +41,7 @@ def floating_tree(robot: RobotDescription, base: Body, captured: Body) -> RobotD
     RobotDescriptionError
         A link or joint of the robot has the name of an added one.
     """
-    parts = [element("link", {"name": GROUND}, [_nothing()])]
+    parts = [element("link", {"name": GROUND}, [INVISIBLE])]
     parts += _free(CRAFT, base, robot.root)
     parts += _free(CAPTURED, captured)
     return extended_tree(robot, parts)
@@ -52,22 +54,11 @@ def free_joints(name: str, poses: Array) -> dict[str, Array]:
     return {f"{name}_{axis}": row for (axis, *_), row in zip(_PLACE, columns, strict=True)}
 
 
-def _nothing() -> str:
-    """Write an invisible visual: links without one get bodies as long as their slides."""
-    return visual("sphere", {"radius": 1e-4}, (0.0, 0.0, 0.0, 0.0))
-
-
 def _free(name: str, body: Body, carried: str = "") -> list[str]:
     """Write the joints that place a body, its box, and a link that it carries."""
-    parts, above = [], GROUND
-    for axis, slides, direction in _PLACE:
-        link = f"{name}_{axis}_link"
-        parts.append(element("link", {"name": link}, [_nothing()]))
-        joint = Joint(f"{name}_{axis}", "continuous", above, link, np.eye(4), direction)
-        if slides:
-            joint = replace(joint, type="prismatic", lower=-_FAR, upper=_FAR)
-        parts.append(joint_element(joint))
-        above = link
+    joints = [(f"{name}_{axis}", slides, direction) for axis, slides, direction in _PLACE]
+    parts = placing_parts(joints, GROUND)
+    above = f"{name}_{_PLACE[-1][0]}_link"
     moments, axes = np.linalg.eigh(body.inertia)
     axes[:, 2] *= np.linalg.det(axes)
     size = np.sqrt(np.maximum(6.0 / body.mass * (moments.sum() - 2.0 * moments), 1e-6))

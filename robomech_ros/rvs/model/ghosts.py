@@ -37,6 +37,12 @@ RADIUS_SCALE, ALONG = 0.8, 0.2
 SAME, NOTHING = 0.02, 1e-6
 
 
+def mixed(first: Rgb, second: Rgb, part: float) -> Rgb:
+    """Return a part (0 to 1) of the way from one colour to another."""
+    red, green, blue = (round(a + part * (b - a)) for a, b in zip(first, second, strict=True))
+    return red, green, blue
+
+
 class GhostPieces(NamedTuple):
     """Cylinders of unit radius and length along z, with their poses and scales."""
 

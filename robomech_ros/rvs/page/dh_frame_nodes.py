@@ -26,8 +26,7 @@ class DHFrameNodes:
         """Show frames, or hide them for None."""
         if found is None:
             for node in (*self._lines.values(), *self._labels):
-                if node.visible:
-                    node.visible = False
+                node.visible = False
             return
         starts = np.repeat(found.frames[:, None, :3, 3], 3, axis=1)
         ends = starts + _TRIAD * self._reach * found.frames[:, :3, :3].transpose(0, 2, 1)
@@ -62,8 +61,6 @@ class DHFrameNodes:
                     )
                 )
             label = self._labels[k]
-            label.position, label.visible = position, True
-            if label.text != text:
-                label.text = text
+            label.position, label.visible, label.text = position, True, text
         for label in self._labels[len(names) :]:
             label.visible = False

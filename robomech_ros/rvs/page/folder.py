@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 from robomech_ros.rvs.page.units import AngleSlider, Units, UnitText
+from robomech_ros.spatial.arrays import as_choice, as_flag
 
 
 class Folder:
@@ -16,6 +17,8 @@ class Folder:
     - ``expanded``: whether the folder is open at first.
     - ``ask``: hands the action of a control, by its label, to another thread; by default it runs on
       the thread of the server.
+
+    Actions of checkboxes and choices get checked values; others raise a BadValueError.
     """
 
     def __init__(
@@ -66,7 +69,8 @@ class Folder:
     ) -> Any:
         """Add a checkbox."""
         box = self._boxes[label] = self._gui.add_checkbox(label, checked, hint=hint)
-        return self.listen(box, partial(self._ask, label, changed))
+        change = partial(self._ask, label, lambda value: changed(as_flag(label, value)))
+        return self.listen(box, change)
 
     def dropdown(
         self,
@@ -78,11 +82,15 @@ class Folder:
     ) -> Any:
         """Add a choice between options."""
         handle = self._gui.add_dropdown(label, options, initial_value=chosen, hint=hint)
-        return self.listen(handle, partial(self._ask, label, changed))
+
+        def change(value: Any) -> None:
+            changed(as_choice(label.lower(), value, handle.options))
+
+        return self.listen(handle, partial(self._ask, label, change))
 
     def mark(self, label: str, checked: bool) -> None:
         """Mark a checkbox, of which something else was the switch."""
-        if not self.removed and self._boxes[label].value != checked:
+        if not self.removed:
             self._boxes[label].value = checked
 
     def listen(self, handle: Any, changed: Callable[[Any], None]) -> Any:

@@ -151,8 +151,7 @@ class DistanceNodes:
     def show(self, found: Clearance | None) -> None:
         """Draw the line of a clearance, in red if in contact; hide it for None."""
         for node in (self._line, self._ends, self._label):
-            if node.visible != (found is not None):
-                node.visible = found is not None
+            node.visible = found is not None
         if found is None:
             return
         touches = found.distance <= 0.0

@@ -126,8 +126,7 @@ class Panel:
 
     def show_gizmo(self, shown: bool) -> None:
         """Show the gizmo, or not."""
-        if self._gizmo.visible != shown:
-            self._gizmo.visible = shown
+        self._gizmo.visible = shown
 
     def _listen_to_gizmo(self) -> None:
         gizmo = self._gizmo

@@ -120,8 +120,7 @@ class RobotNodes:
 
     def show(self, shown: bool) -> None:
         """Show the robot, or not."""
-        if self.node.visible != shown:
-            self.node.visible = shown
+        self.node.visible = shown
 
     def show_frames(self, shown: bool) -> None:
         """Show the frame of every link, or none."""

@@ -2,11 +2,9 @@
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
 
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import LayerContext, Switch
-from robomech_ros.spatial.arrays import as_flag
 
 
 class Switches:
@@ -35,7 +33,8 @@ class Switches:
     def add_to(self, folder: Folder, name: str, hint: str | None = None) -> None:
         """Add the checkbox of a switch to a folder."""
         self._folder = folder
-        folder.checkbox(self._labels[name], self._on[name], partial(self._take, name), hint)
+        change = partial(self.turn, name, asked=True)
+        folder.checkbox(self._labels[name], self._on[name], change, hint)
 
     def turn(self, name: str, on: bool, asked: bool = False) -> None:
         """Switch on or off."""
@@ -43,6 +42,3 @@ class Switches:
         self._changed(name, asked)
         if self._folder is not None:
             self._folder.mark(self._labels[name], on)
-
-    def _take(self, name: str, value: Any) -> None:
-        self.turn(name, as_flag(self._labels[name], value), True)

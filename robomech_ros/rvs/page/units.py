@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from abc import ABC, abstractmethod
 from typing import Any
 from weakref import WeakSet
 
@@ -22,21 +23,18 @@ class Units:
     """The unit in which a page writes angles; values of the program are in rad.
 
     - ``degrees``: whether angles are in degrees.
+    - ``shown``: what is written again when that changes.
     """
 
     def __init__(self) -> None:
         self.degrees = False
-        self._shown: WeakSet[UnitText | AngleSlider] = WeakSet()
+        self.shown: WeakSet[_Shown] = WeakSet()
 
     def turn(self, degrees: bool) -> None:
         """Write angles in degrees, or in rad."""
         self.degrees = degrees
-        for one in list(self._shown):
+        for one in list(self.shown):
             one.write()
-
-    def forget(self, one: UnitText | AngleSlider) -> None:
-        """Leave alone what is taken from its page."""
-        self._shown.discard(one)
 
     def factor(self, unit: str) -> float:
         """Return the factor from a unit of the program to that of the page."""
@@ -57,29 +55,43 @@ class Units:
 
     def html(self, gui: Any, content: str = "", **options: Any) -> UnitText:
         """Add HTML to a page or a browser (viser.GuiApi), whose angles follow the switch."""
-        shown = UnitText(self, gui.add_html("", **options), content)
-        self._shown.add(shown)
-        return shown
+        return UnitText(self, gui.add_html("", **options), content)
 
     def slider(
         self, gui: Any, label: str, unit: str, ends: tuple[float, float], value: float, hint: str
     ) -> AngleSlider:
         """Add a slider for a value of a unit, such as rad, between two ends."""
-        shown = AngleSlider(self, gui.add_slider(label, *ends, STEP, value, hint=hint), unit, hint)
-        self._shown.add(shown)
-        return shown
+        return AngleSlider(self, gui.add_slider(label, *ends, STEP, value, hint=hint), unit, hint)
 
 
 # Units of text outside pages.
 RADIANS = Units()
 
 
-class UnitText:
+class _Shown(ABC):
+    """A control that follows the unit of its page until it is removed."""
+
+    def __init__(self, units: Units, handle: Any) -> None:
+        self._units, self._handle = units, handle
+        self.write()
+        units.shown.add(self)
+
+    @abstractmethod
+    def write(self) -> None:
+        """Show the unit of the page."""
+
+    def remove(self) -> None:
+        """Take it from the page."""
+        self._units.shown.discard(self)
+        self._handle.remove()
+
+
+class UnitText(_Shown):
     """HTML of a page, written in rad."""
 
     def __init__(self, units: Units, handle: Any, content: str) -> None:
-        self._units, self._handle, self._content = units, handle, content
-        self.write()
+        self._content = content
+        super().__init__(units, handle)
 
     @property
     def content(self) -> str:
@@ -93,27 +105,19 @@ class UnitText:
 
     def write(self) -> None:
         """Show the content in the unit of the page."""
-        shown = self._units.text(self._content)
-        if self._handle.content != shown:
-            self._handle.content = shown
-
-    def remove(self) -> None:
-        """Take it from the page."""
-        self._units.forget(self)
-        self._handle.remove()
+        self._handle.content = self._units.text(self._content)
 
 
-class AngleSlider:
+class AngleSlider(_Shown):
     """A slider whose value is in the unit of the program.
 
     - ``handle``: in that unit, viser.GuiSliderHandle.
     """
 
     def __init__(self, units: Units, handle: Any, unit: str, hint: str) -> None:
-        self._units, self._handle, self._unit, self._hint = units, handle, unit, hint
-        self._factor = 1.0
+        self._unit, self._hint, self._factor = unit, hint, 1.0
         handle.precision = DECIMALS
-        self.write()
+        super().__init__(units, handle)
 
     def __getattr__(self, name: str) -> Any:
         # All but the value is that of the slider.
@@ -127,13 +131,7 @@ class AngleSlider:
 
     @value.setter
     def value(self, value: float) -> None:
-        if self._handle.value != self._factor * value:
-            self._handle.value = self._factor * value
-
-    def remove(self) -> None:
-        """Take it from the page."""
-        self._units.forget(self)
-        self._handle.remove()
+        self._handle.value = self._factor * value
 
     def between(self, low: float, high: float) -> None:
         """Change the ends, in the unit of the program."""

@@ -12,7 +12,7 @@ from robomech_ros.numerics.arrays import finite_number
 from robomech_ros.robots import PRISMATIC, SerialChain
 from robomech_ros.rvs.model.bodies.visual_model import VisualModel
 from robomech_ros.rvs.model.draggable import OPEN_TURN, ROUNDING, DraggableRobot, slider_range
-from robomech_ros.rvs.model.ghosts import Ghosts
+from robomech_ros.rvs.model.ghosts import RADIUS_SCALE, Ghosts
 from robomech_ros.rvs.model.postures import study_pose
 from robomech_ros.spatial import as_pose
 from robomech_ros.typing import Array
@@ -98,9 +98,10 @@ class ArmView(DraggableRobot):
         self._q = self.checked(q)
         self._look_around()
 
-    def ghosts(self, seen: VisualModel) -> Ghosts:
+    def ghosts(self, seen: VisualModel, radius_scale: float | None = None) -> Ghosts:
         """Return the pieces of ghosts."""
-        return Ghosts(seen.tree.chain(self.chain.base, self.chain.tip), seen.shapes)
+        scale = RADIUS_SCALE if radius_scale is None else radius_scale
+        return Ghosts(seen.tree.chain(self.base, self.end), seen.shapes, scale)
 
     def drag(self, T: ArrayLike) -> None:
         """Move the tip to a pose, in the posture nearest to the present one.

@@ -200,7 +200,7 @@ class HandView(TreeView):
         inside = (min(max(x, e.low), e.high) for x, e in zip(values, ends, strict=True))
         return dict(zip(OBJECT_JOINTS, inside, strict=True))
 
-    def ghosts(self, seen: VisualModel) -> HandGhosts:
+    def ghosts(self, seen: VisualModel, radius_scale: float | None = None) -> HandGhosts:
         """Return the pieces of ghosts."""
         fingers = [seen.tree.chain(one.base, one.tip) for one in self.hand.fingers]
         return HandGhosts(fingers, self._shapes, lambda: self.q)

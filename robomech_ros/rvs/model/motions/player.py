@@ -2,8 +2,7 @@
 
 import math
 
-from robomech_ros.errors import BadValueError
-from robomech_ros.numerics.arrays import finite_number
+from robomech_ros.numerics.arrays import finite_number, real_within
 
 # Times the speed of the motion.
 SLOWEST, FASTEST = 0.1, 10.0
@@ -33,10 +32,7 @@ class Player:
 
     def set_speed(self, speed: float) -> None:
         """Set the speed as a multiple of the motion's."""
-        value = finite_number("speed", speed, "times that of the motion")
-        if not SLOWEST <= value <= FASTEST:
-            raise BadValueError("speed", speed, f"{SLOWEST:g} to {FASTEST:g}")
-        self.speed = value
+        self.speed = real_within("speed", speed, f"{SLOWEST:g} to {FASTEST:g}", SLOWEST, FASTEST)
 
     def play(self) -> None:
         """Play on, from the beginning after the end."""

@@ -138,9 +138,9 @@ class PlatformView(DraggableRobot):
         if self._faulty is None:
             self._study = self._at_rest(self._study.target)
 
-    def ghosts(self, seen: VisualModel) -> PlatformGhosts:
+    def ghosts(self, seen: VisualModel, radius_scale: float | None = None) -> PlatformGhosts:
         """Return the pieces of ghosts."""
-        return PlatformGhosts(self.mechanism, seen.reach)
+        return PlatformGhosts(self.mechanism, seen.reach, radius_scale or 1.0)
 
     def _go(self, q: Array) -> None:
         self._q, self._faulty = q, None

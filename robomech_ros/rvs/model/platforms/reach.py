@@ -15,7 +15,7 @@ from robomech_ros.parallel import (
 )
 from robomech_ros.parallel.kinetostatics.workspace import PlatformWorkspace
 from robomech_ros.parallel.kinetostatics.workspace_surface import neighbours
-from robomech_ros.rvs.model.ghosts import PALETTE, Rgb
+from robomech_ros.rvs.model.ghosts import PALETTE, Rgb, mixed
 from robomech_ros.typing import Array
 
 # Numbers of directions in space, in the plane, and for limbs of any kind, each taking a hundred
@@ -122,8 +122,6 @@ def _colours(causes: list[str]) -> dict[str, Rgb]:
         elif ":" not in cause or not digits:
             colours[cause] = SINGULAR_COLOUR
         else:
-            red, green, blue = PALETTE[(int(digits) - 1) % len(PALETTE)]
-            part = 0.45 if "long" in cause else 0.0
-            shade = [round(value + part * (255 - value)) for value in (red, green, blue)]
-            colours[cause] = (shade[0], shade[1], shade[2])
+            own, part = PALETTE[(int(digits) - 1) % len(PALETTE)], 0.45 if "long" in cause else 0.0
+            colours[cause] = mixed(own, (255, 255, 255), part)
     return colours

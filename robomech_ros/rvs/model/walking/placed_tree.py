@@ -75,22 +75,32 @@ def placing(base: Array, T: Array, height: float) -> dict[str, float]:
 
 def _parts(robot: RobotDescription, trunk: str, height: float) -> list[str]:
     """Write the joints that place the root, and their links."""
-    # Links without bodies would get generated ones along their slides.
-    nothing = visual("sphere", {"radius": 1e-4}, (0.0, 0.0, 0.0, 0.0))
     disc = visual("cylinder", {"radius": _DISC * height, "length": 1e-3}, _COLOUR)
-    parts, above = [element("link", {"name": GROUND}, [disc])], GROUND
-    for name, slides, axis in (*_PLACE, *_BODY):
+    lift = assembled(np.eye(3), np.array([0.0, 0.0, height]))
+    place = placing_parts(_PLACE, GROUND)
+    body = placing_parts(_BODY, f"{_PLACE[-1][0]}_link", lift)
+    origin = rigid_inverse(robot.link_poses()[trunk])
+    last = Joint("body_trunk", "fixed", f"{_BODY[-1][0]}_link", robot.root, origin)
+    return [element("link", {"name": GROUND}, [disc]), *place, *body, joint_element(last)]
+
+
+def placing_parts(
+    joints: Iterable[tuple[str, bool, Array]], above: str, origin: Array | None = None
+) -> list[str]:
+    """Write joints that place what is below them, and the links that they move.
+
+    - ``joints``: name, whether it slides, and axis; the link of each has its name and ``_link``.
+    - ``above``: link before the first joint.
+    - ``origin``: pose (4, 4) of the first joint in that link (m).
+    """
+    parts, pose = [], np.eye(4) if origin is None else origin
+    for name, slides, axis in joints:
         link = f"{name}_link"
-        parts.append(element("link", {"name": link}, [nothing]))
-        lift = height if name == _BODY[0][0] else 0.0
-        origin = assembled(np.eye(3), np.array([0.0, 0.0, lift]))
-        joint = Joint(name, "continuous", above, link, origin, axis)
+        joint = Joint(name, "continuous", above, link, pose, axis)
         if slides:
             joint = replace(joint, type="prismatic", lower=-_FAR, upper=_FAR)
-        parts.append(joint_element(joint))
-        above = link
-    origin = rigid_inverse(robot.link_poses()[trunk])
-    parts.append(joint_element(Joint("body_trunk", "fixed", above, robot.root, origin)))
+        parts += [element("link", {"name": link}, [INVISIBLE]), joint_element(joint)]
+        above, pose = link, np.eye(4)
     return parts
 
 
@@ -100,3 +110,7 @@ def visual(
     """Write the visual element of a shape at the origin of its link."""
     material = element("material", {"name": ""}, [element("color", {"rgba": colour})])
     return element("visual", {}, [element("geometry", {}, [element(shape, measures)]), material])
+
+
+# Links without a body would get generated ones along their slides.
+INVISIBLE = visual("sphere", {"radius": 1e-4}, (0.0, 0.0, 0.0, 0.0))

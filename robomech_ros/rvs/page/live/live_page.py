@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from robomech_ros.errors import BadValueError
+from robomech_ros.rvs.page.clients import AllControls, Controls
 from robomech_ros.rvs.page.layer import Layer, LayerContext
 from robomech_ros.rvs.page.live.hold_field import HoldField
 from robomech_ros.rvs.page.tables import STYLE, WARN
@@ -41,6 +42,11 @@ class LivePage(Layer):
 
         context.server.on_client_connect(self._connected)
         context.server.on_client_disconnect(self._disconnected)
+
+    def controls(self, client: Any) -> Controls:
+        """Add the controls to the commanding browser."""
+        self._commander = client.client_id
+        return AllControls([super().controls(client), *self._pads])
 
     def close(self) -> None:
         """End what is jogged."""
