@@ -99,17 +99,13 @@ class AnalysisLayer(Layer):
     def _know_facts(self, facts: ArmFacts) -> None:
         self._facts = facts
         if self._goes:
-            self._goes = False
-            self._take_best(facts)
+            self._go()
 
     def _go(self) -> None:
-        if self._facts is None:
-            self._goes = True
+        facts, self._goes = self._facts, self._facts is None
+        if facts is None:
             self._find_facts()
-        else:
-            self._take_best(self._facts)
-
-    def _take_best(self, facts: ArmFacts) -> None:
+            return
         if facts.best is None:
             expected = "one that is regular in some posture"
             raise BadValueError("arm", self._context.chain.name, expected)

@@ -17,7 +17,7 @@ from robomech_ros.rvs.model.curves.curve_problems import (
 )
 from robomech_ros.rvs.model.ghosts import PALETTE
 from robomech_ros.rvs.page.clients import AllControls, Controls
-from robomech_ros.rvs.page.curve_view import CurveView
+from robomech_ros.rvs.page.curve_view import CurveOwner, CurveView
 from robomech_ros.rvs.page.folder import Folder
 from robomech_ros.rvs.page.layer import Layer, LayerContext, Switch
 from robomech_ros.rvs.page.tables import small_text
@@ -27,7 +27,7 @@ from robomech_ros.typing import Array
 SAME_POSE, SAME_POSTURE = 1e-7, 1e-4
 
 
-class ContoursLayer(Layer):
+class ContoursLayer(Layer, CurveOwner):
     """The folder with the contours of the pose that the tip is to take."""
 
     label, order = "Contours", 30
@@ -84,12 +84,10 @@ class ContoursLayer(Layer):
             folder.text().content = small_text([self._missing])
             return
         self._box = folder.checkbox("contours", False, self._switch, self.hint)
-        self._view = CurveView(gui, self, self._names, (0, len(self._names) - 1))
+        self._view = CurveView(
+            gui, self, self._worker.submit, self._names, (0, len(self._names) - 1)
+        )
         self._view.show(False)
-
-    def close(self) -> None:
-        """End its thread."""
-        self._worker.close()
 
     def _switch(self, on: bool) -> None:
         """Switch on or off; what is shown follows by ``show``, after each request."""
@@ -104,10 +102,6 @@ class ContoursLayer(Layer):
             self._switch(on)
 
     # Calls of the view of the curves.
-
-    def compute(self, kind: Hashable, request: Callable[[], None]) -> None:
-        """Do something on the thread of this layer."""
-        self._worker.submit(kind, request)
 
     def present(self, kind: Hashable, request: Callable[[], None]) -> None:
         """Do something on the thread of the page."""

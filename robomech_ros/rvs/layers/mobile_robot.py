@@ -65,10 +65,6 @@ class MobileRobotLayer(Layer):
         folder.button("Clear trail", robot.trail.clear)
         self._table = folder.text()
 
-    def close(self) -> None:
-        """Stop."""
-        self._ticker.close()
-
     def _command(self, name: str, axis: int, value: Any) -> None:
         unit, most = AXES[axis][1], float(self._robot.most[axis])
         expected = f"{-most:g} to {most:g} {unit}"

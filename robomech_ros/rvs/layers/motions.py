@@ -150,11 +150,6 @@ class MotionLayer(Layer):
         ]
         self._status.content = _STATUS.format(lines="".join(lines))
 
-    def close(self) -> None:
-        """Stop what plays and computes."""
-        self._ticker.close()
-        self._worker.close()
-
     # Requests of the controls, each on the thread of the page.
 
     def _choose(self, what: str, value: str) -> None:

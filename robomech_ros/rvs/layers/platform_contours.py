@@ -5,7 +5,6 @@ import numpy as np
 from robomech_ros.errors import BadValueError
 from robomech_ros.parallel.equations import PlatformEquations, platform_equations
 from robomech_ros.rvs.layers.contours import ContoursLayer
-from robomech_ros.rvs.model.curves.curve_drawing import ROOT
 from robomech_ros.rvs.model.curves.curve_problems import (
     Axis,
     CurveProblem,
@@ -51,9 +50,8 @@ class PlatformContoursLayer(ContoursLayer):
         first, second = (Axis(name, "rad", -np.pi, np.pi) for name in equations.names[:2])
         return equations_problem(equations.curves, (first, second), pair, 2, 2.0 * np.pi)
 
-    def disc(self, found: Finding) -> tuple[str, str]:
-        """Return no number, and the colour of a root."""
-        return "", ROOT
+    def _number(self, found: Finding) -> int | None:
+        """Return None: assembly modes have no number in the table."""
 
     def take(self, found: Finding) -> None:
         """Move the platform to an assembly mode, with the same drives."""

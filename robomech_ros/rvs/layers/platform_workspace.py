@@ -61,7 +61,7 @@ class PlatformWorkspaceLayer(Layer):
         part = self._parts[label]
         part.on = self._on[label]
         if not part.on:
-            part.reach, part.reason, part.asked = None, "", np.empty(0)
+            part.reach, part.asked = None, np.empty(0)
             self._draw(part)
 
     def _found(self, part: _Part, q: Any) -> PlatformReach | str:
@@ -73,15 +73,14 @@ class PlatformWorkspaceLayer(Layer):
 
     def _know(self, part: _Part, found: PlatformReach | str) -> None:
         if part.on:
-            part.reach = None if isinstance(found, str) else found
-            part.reason = found if isinstance(found, str) else ""
+            part.reach = found
             self._draw(part)
 
     def _draw(self, part: _Part) -> None:
         for node in part.nodes:
             node.remove()
         part.nodes = []
-        if part.reach is None:
+        if not isinstance(part.reach, PlatformReach):
             return
         scene, root = self._context.server.scene, f"{self._context.base}/{part.label}"
         for number, (cause, piece) in enumerate(part.reach.parts.items()):
@@ -109,24 +108,23 @@ class _Part:
 
     - ``on``: whether it is shown.
     - ``asked``: the posture for which it was asked last (rad or m); empty for none.
-    - ``reason``: why there is none, in a sentence.
+    - ``reach``: its boundary, or a sentence on why there is none; None until it is found.
     - ``nodes``: in the scene.
     """
 
     def __init__(self, label: str) -> None:
         self.label, self.turns = label, label == "orientations"
         self.on, self.asked = False, np.empty(0)
-        self.reach: PlatformReach | None = None
-        self.reason = ""
+        self.reach: PlatformReach | str | None = None
         self.nodes: list[Any] = []
 
     def lines(self) -> list[str]:
         """Write what the colours are, as HTML, a line each."""
         if not self.on:
             return []
-        if self.reason:
-            return [html.escape(self.reason)]
         reach = self.reach
+        if isinstance(reach, str):
+            return [html.escape(reach)]
         if reach is None:
             return [f"Looking for {self.label} ..."]
         says = (

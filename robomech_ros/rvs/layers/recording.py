@@ -72,11 +72,6 @@ class RecordingLayer(Layer):
         if text != self.written:
             self.ask("view", self.restore, text, client)
 
-    def close(self) -> None:
-        """Stop writing."""
-        self._ticker.close()
-        self._worker.close()
-
     def notice(self) -> None:
         """Update the address with the present view."""
         self._ticker.start()

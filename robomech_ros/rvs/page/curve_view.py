@@ -8,7 +8,13 @@ import numpy as np
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.errors.formatting import counted
-from robomech_ros.rvs.model.curves.curve_drawing import COLOURS, Mark, draw_curves, place_script
+from robomech_ros.rvs.model.curves.curve_drawing import (
+    COLOURS,
+    ROOT,
+    Mark,
+    draw_curves,
+    place_script,
+)
 from robomech_ros.rvs.model.curves.curve_problems import CurveProblem, Finding, pair_of_numbers
 from robomech_ros.rvs.page.tables import notice, small_text
 from robomech_ros.rvs.serving.scripts import script_that_fills
@@ -25,15 +31,12 @@ _HINT = (
 _LEGEND = "<b style='color:{colour}'>&#9473;</b> {name} = 0"
 
 
-class Owner(Protocol):
-    """Whose curves they are."""
+class CurveOwner(Protocol):
+    """Owner of curves, on its page."""
 
     # Name of a root, with its article and in the plural.
-    root: str
-    roots: str
-
-    def compute(self, kind: Hashable, request: Request) -> None:
-        """Run a slow request on one thread; a newer one of its kind replaces it."""
+    root: str = "a root"
+    roots: str = "roots"
 
     def present(self, kind: Hashable, request: Request) -> None:
         """Run a request on the thread of the page; a newer one of its kind replaces it."""
@@ -41,22 +44,32 @@ class Owner(Protocol):
     def problem(self, pair: tuple[int, int]) -> CurveProblem | None:
         """Return what is drawn, for two equations; None for nothing; called in ``compute``."""
 
-    def disc(self, found: Finding) -> tuple[str, str]:
+    def disc(self, _: Finding) -> tuple[str, str]:
         """Return text and colour of the disc of a root; called in ``compute``."""
+        return "", ROOT
 
     def take(self, found: Finding) -> None:
-        """Do what follows from a root; called in ``present``."""
+        """Do what follows from a root, nothing by default; called in ``present``."""
+        return
 
 
 class CurveView:
     """The curves of two equations in one browser.
 
+    - ``compute``: runs a slow request on one thread; a newer one of its kind replaces it.
     - ``names``: names of the equations; the curves of two are drawn.
     - ``pair``: indices of the two equations that are drawn at first.
     """
 
-    def __init__(self, gui: Any, owner: Owner, names: Sequence[str], pair: tuple[int, int]) -> None:
-        self._owner, self._names, self._pair = owner, list(names), pair
+    def __init__(
+        self,
+        gui: Any,
+        owner: CurveOwner,
+        compute: Callable[[Hashable, Request], None],
+        names: Sequence[str],
+        pair: tuple[int, int],
+    ) -> None:
+        self._owner, self._compute, self._names, self._pair = owner, compute, list(names), pair
         self._problem: CurveProblem | None = None
         self._curves: Sequence[Sequence[Array]] = ((), ())
         self._found: list[Finding] = []
@@ -96,7 +109,7 @@ class CurveView:
         async def _(event: Any) -> None:
             if event.client is not None and estimate.value.strip():
                 text = estimate.value
-                self._owner.compute("estimate", lambda: self._refine(text))
+                self._compute("estimate", lambda: self._refine(text))
 
         for choice in self._choices:
 
@@ -107,7 +120,7 @@ class CurveView:
 
         @self._all.on_click
         async def _(_: Any) -> None:
-            self._owner.compute("all", self._mark_all)
+            self._compute("all", self._mark_all)
 
     def draw(self, here: Array | None = None) -> None:
         """Draw the curves anew, without the crossings of the former ones.
@@ -115,12 +128,12 @@ class CurveView:
         - ``here``: position of the mark for the present state, shape (2,); None for no mark.
         """
         self._here = here
-        self._owner.compute("draw", self._draw)
+        self._compute("draw", self._draw)
 
     def mark_here(self, point: Array) -> None:
         """Mark where something is now."""
         self._here = point
-        self._owner.compute("here", lambda: self._present(None))
+        self._compute("here", lambda: self._present(None))
 
     # Slow work, on one thread.
 

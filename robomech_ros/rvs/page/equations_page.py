@@ -4,14 +4,8 @@ from collections.abc import Callable, Hashable
 from typing import Any
 
 from robomech_ros.numerics.grid_crossings import Equations
-from robomech_ros.rvs.model.curves.curve_drawing import ROOT
-from robomech_ros.rvs.model.curves.curve_problems import (
-    Axis,
-    CurveProblem,
-    Finding,
-    equations_problem,
-)
-from robomech_ros.rvs.page.curve_view import CurveView
+from robomech_ros.rvs.model.curves.curve_problems import Axis, CurveProblem, equations_problem
+from robomech_ros.rvs.page.curve_view import CurveOwner, CurveView
 from robomech_ros.rvs.page.surroundings import set_theme
 from robomech_ros.rvs.serving.server import ServedPage, guarded_server
 from robomech_ros.rvs.serving.worker import Worker
@@ -20,7 +14,7 @@ from robomech_ros.rvs.serving.worker import Worker
 WIDTH = 4000
 
 
-class EquationsPage(ServedPage):
+class EquationsPage(ServedPage, CurveOwner):
     """A page of equations, served until it is closed.
 
     - ``equations``: as in :func:`~robomech_ros.rvs.view_equations`.
@@ -28,8 +22,6 @@ class EquationsPage(ServedPage):
     - ``pair``: indices of the two equations that are drawn at first, from 0.
     - ``port``, ``host``: as for :func:`robomech_ros.rvs.view`.
     """
-
-    root, roots = "a root", "roots"
 
     def __init__(
         self,
@@ -51,7 +43,7 @@ class EquationsPage(ServedPage):
             gui.main_panel.dock_right()
             gui.main_panel.set_width(WIDTH)
             names = [f"equation {number}" for number in range(1, count + 1)]
-            self._view = CurveView(gui, self, names, pair)
+            self._view = CurveView(gui, self, self._worker.submit, names, pair)
             dark = gui.add_checkbox("dark", False)
 
         @dark.on_update
@@ -62,10 +54,6 @@ class EquationsPage(ServedPage):
 
     # Calls of the view of the curves.
 
-    def compute(self, kind: Hashable, request: Callable[[], None]) -> None:
-        """Do something on the thread of this page."""
-        self._worker.submit(kind, request)
-
     def present(self, _: Hashable, request: Callable[[], None]) -> None:
         """Show something at once: there is one thread."""
         with self._server.viser.atomic():
@@ -74,10 +62,3 @@ class EquationsPage(ServedPage):
     def problem(self, pair: tuple[int, int]) -> CurveProblem:
         """Return the curves of two equations."""
         return self._make(pair)
-
-    def disc(self, _: Finding) -> tuple[str, str]:
-        """Return the disc of a root."""
-        return "", ROOT
-
-    def take(self, found: Finding) -> None:
-        """Do nothing with a root but show it."""

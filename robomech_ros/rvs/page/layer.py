@@ -17,6 +17,7 @@ from robomech_ros.rvs.page.node_space import NodeSpace
 from robomech_ros.rvs.page.robot_nodes import RobotNodes
 from robomech_ros.rvs.page.tables import fact_table
 from robomech_ros.rvs.page.units import Units
+from robomech_ros.rvs.serving.ticker import Ticker
 from robomech_ros.rvs.serving.worker import Worker
 from robomech_ros.typing import Array
 
@@ -164,6 +165,7 @@ class Layer:
     """
 
     label, order, expanded, asks = "", 0.0, False, True
+    _ticker: Ticker
 
     def __init__(self, context: LayerContext) -> None:
         self._context = context
@@ -198,6 +200,8 @@ class Layer:
 
     def close(self) -> None:
         """Stop what runs; nodes go with the server."""
+        if "_ticker" in vars(self):
+            self._ticker.close()
         if "_worker" in vars(self):
             self._worker.close(wait=False)
 

@@ -54,6 +54,7 @@ class RobotNodes:
         tree, reach = self._seen.tree, self._seen.reach
         to_parent = {joint.child: joint for joint in tree.joints}
         moving = {joint.child: joint for joint in self._seen.moving}
+        axis = cylinder(AXIS_RADIUS * reach, AXIS_LENGTH * reach)
         size = {"axes_length": FRAME_LENGTH * reach, "axes_radius": FRAME_RADIUS * reach}
         for number, (link, _) in enumerate(tree.link_poses().items()):
             joint = to_parent.get(link)
@@ -65,14 +66,9 @@ class RobotNodes:
             self._paths[link] = path
             self._nodes[link] = node
             if link in moving:
-                self._axes.append(self._joint_axis(scene, path, moving[link].axis))
-
-    def _joint_axis(self, scene: Any, path: str, axis: Array) -> Any:
-        reach = self._seen.reach
-        solid = cylinder(AXIS_RADIUS * reach, AXIS_LENGTH * reach)
-        look: dict[str, Any] = {"flat_shading": True, "visible": False}
-        look |= placed(rotation_from_z(axis))
-        return add_mesh(scene, f"{path}/axis", solid, AXIS_COLOUR, **look)
+                look: dict[str, Any] = {"flat_shading": True, "visible": False}
+                look |= placed(rotation_from_z(moving[link].axis))
+                self._axes.append(add_mesh(scene, f"{path}/axis", axis, AXIS_COLOUR, **look))
 
     def _add_bodies(self, scene: Any) -> None:
         for number, body in enumerate(self._seen.bodies):

@@ -52,9 +52,6 @@ def _run(client: Any, source: str) -> None:
     client._websock_connection.queue_message(_messages.RunJavascriptMessage(source=source))
 
 
-"""Text fields that a click elsewhere on the page fills in."""
-
-
 def script_that_fills(label: str) -> str:
     """Return JavaScript that writes ``text`` into the text field of a label, as if it were typed.
 
