@@ -51,16 +51,13 @@ class MotionScene:
     """The nodes of a plan, which all browsers see."""
 
     def __init__(self, context: LayerContext) -> None:
-        self._scene, self._root = context.server.scene, f"{context.base}/plan"
-        self._reach = context.seen.reach
-        self._scene.add_frame(self._root, show_axes=False)
+        self._space = context.space._replace(base=f"{context.base}/plan")
+        scene, root = self._space.scene, self._space.base
+        scene.add_frame(root, show_axes=False)
         styles = {"sweep": (SWEEP_SLIMNESS, SWEEP_OPACITY), "now": (NOW_SLIMNESS, NOW_OPACITY)}
         self._sweep, self._now = (
             GhostBatch(
-                self._scene,
-                f"{self._root}/{name}",
-                context.moved.ghosts(context.seen, radius_scale),
-                opacity,
+                scene, f"{root}/{name}", context.moved.ghosts(context.seen, radius_scale), opacity
             )
             for name, (radius_scale, opacity) in styles.items()
         )
@@ -89,22 +86,19 @@ class MotionScene:
     def _trace(self, number: int, poses: Array) -> None:
         points = poses[:, :3, 3]
         if float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()) > 1e-6:
-            segments = np.stack([points[:-1], points[1:]], axis=1).astype(np.float32)
-            self._lines.append(
-                self._scene.add_line_segments(
-                    f"{self._root}/trace_{number}",
-                    segments,
-                    PALETTE[number % len(PALETTE)],
-                    thickness=TRACE_WIDTH * self._reach,
-                )
+            ends, colour = (
+                np.stack([points[:-1], points[1:]], axis=1),
+                PALETTE[number % len(PALETTE)],
             )
+            line = self._space.add_lines(f"trace_{number}", ends, colour, TRACE_WIDTH)
+            self._lines.append(line)
         at = poses[np.linspace(0, len(poses) - 1, SWEEP).astype(np.int64)]
         self._lines.append(
-            self._scene.add_batched_axes(
-                f"{self._root}/axes_{number}",
+            self._space.scene.add_batched_axes(
+                f"{self._space.base}/axes_{number}",
                 np.roll(quaternion_from_matrix(at[:, :3, :3]), 1, axis=-1),
                 at[:, :3, 3],
-                axes_length=AXES_LENGTH * self._reach,
-                axes_radius=AXES_RADIUS * self._reach,
+                axes_length=AXES_LENGTH * self._space.reach,
+                axes_radius=AXES_RADIUS * self._space.reach,
             )
         )

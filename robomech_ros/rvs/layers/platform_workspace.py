@@ -82,17 +82,17 @@ class PlatformWorkspaceLayer(Layer):
         part.nodes = []
         if not isinstance(part.reach, PlatformReach):
             return
-        scene, root = self._context.server.scene, f"{self._context.base}/{part.label}"
+        space = self._context.space
         for number, (cause, piece) in enumerate(part.reach.parts.items()):
-            name, colour = f"{root}_{number}", part.reach.colours[cause]
+            name, colour = f"{part.label}_{number}", part.reach.colours[cause]
             if part.reach.flat:
-                width = WIDTH * self._context.seen.reach
-                node = scene.add_line_segments(name, piece, colour, thickness=width)
+                node = space.add_lines(name, piece, colour, WIDTH)
             else:
                 faces = np.arange(3 * len(piece)).reshape(-1, 3)
                 look = {"flat_shading": True, "side": "double"}
                 solid = Solid(piece.reshape(-1, 3), faces)
-                node = add_mesh(scene, name, solid, colour, OPACITY, **look)
+                path = f"{space.base}/{name}"
+                node = add_mesh(space.scene, path, solid, colour, OPACITY, **look)
             part.nodes.append(node)
 
     def _written(self) -> str:

@@ -34,6 +34,7 @@ from robomech_ros.rvs.page.tables import SMALL, small_text
 from robomech_ros.rvs.page.workspace_nodes import WorkspaceNodes
 from robomech_ros.rvs.serving.scripts import script_that_fills
 from robomech_ros.rvs.serving.worker import Worker
+from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array
 
 # Colours of the bar of a legend.
@@ -164,9 +165,8 @@ class WorkspaceLayer(Layer):
             self.ask("point", self._go_to_point, point)
 
     def _go_to_point(self, point: Array) -> None:
-        T = self._context.arm.tip.copy()
-        T[:3, 3] = point
-        self._context.arm.drag(T)
+        arm = self._context.arm
+        arm.drag(assembled(arm.tip[:3, :3], point))
 
     def _begin_map(self) -> None:
         if not self._on["reach_map"]:

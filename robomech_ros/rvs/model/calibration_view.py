@@ -6,6 +6,7 @@ import numpy as np
 
 from robomech_ros.calibration import HandEyeResult
 from robomech_ros.rvs.model.running.live_robot import ViewMarker
+from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array
 
 Rgba = tuple[float, float, float, float]
@@ -98,15 +99,13 @@ def calibration_markers(
     ]
     half_axes, axes = position_half_axes(result)
     factor = drawing_factor(float(half_axes[0]), LONGEST * distance)
-    place = np.eye(4)
-    place[:3, :3], place[:3, 3] = axes, result.sensor[:3, 3]
+    place = assembled(axes, result.sensor[:3, 3])
     drawn = factor * np.maximum(half_axes, FLAT * max(float(half_axes[0]), 1e-9))
     x, y, z = (2.0 * drawn).tolist()
     plate = PLATE * distance
     sizes = (plate, plate, 0.02 * plate)
     frustum = _frustum(result.sensor, tracking, DEPTH * distance, parent)
-    corner = np.eye(4)
-    corner[:3, 3] = frustum.points[1]
+    corner = assembled(np.eye(3), frustum.points[1])
     label = f"95 %: {1e3 * half_axes[0]:.2g} mm" + (f", drawn x {factor:g}" if factor > 1 else "")
     return [
         *_samples(result.robot_poses, colours, distance, base),

@@ -18,7 +18,7 @@ class DHFrameNodes:
     """The frames of one arm, made when they are first shown."""
 
     def __init__(self, space: NodeSpace) -> None:
-        self._scene, self._path, self._reach = space.scene, f"{space.base}/dh", space.reach
+        self._space = space._replace(base=f"{space.base}/dh")
         self._lines: dict[str, Any] = {}
         self._labels: list[Any] = []
 
@@ -29,7 +29,7 @@ class DHFrameNodes:
                 node.visible = False
             return
         starts = np.repeat(found.frames[:, None, :3, 3], 3, axis=1)
-        ends = starts + _TRIAD * self._reach * found.frames[:, :3, :3].transpose(0, 2, 1)
+        ends = starts + _TRIAD * self._space.reach * found.frames[:, :3, :3].transpose(0, 2, 1)
         triads = np.stack([starts, ends], axis=2).reshape(-1, 2, 3)
         colours = np.tile(np.array(_XYZ, dtype=np.uint8), (len(found.frames), 1))
         self._draw("triads", triads, colours, _WIDTH)
@@ -43,23 +43,19 @@ class DHFrameNodes:
         self._write(found.names)
 
     def _draw(self, name: str, lines: Array, colours: Any, width: float) -> None:
-        points, colours = lines.astype(np.float32), np.repeat(colours[:, None], 2, axis=1)
         node = self._lines.get(name)
         if node is None:
-            self._lines[name] = self._scene.add_line_segments(
-                f"{self._path}/{name}", points, colours, thickness=width * self._reach
-            )
+            both = np.repeat(colours[:, None], 2, axis=1)
+            self._lines[name] = self._space.add_lines(name, lines, both, width)
             return
-        node.points, node.visible = points, True
+        node.points, node.visible = lines.astype(np.float32), True
 
     def _write(self, names: dict[str, Array]) -> None:
         for k, (text, position) in enumerate(names.items()):
             if k == len(self._labels):
-                self._labels.append(
-                    self._scene.add_label(
-                        f"{self._path}/names/{k}", "", anchor="bottom-left", depth_test=False
-                    )
-                )
+                path, look = f"{self._space.base}/names/{k}", {"anchor": "bottom-left"}
+                label = self._space.scene.add_label(path, "", depth_test=False, **look)
+                self._labels.append(label)
             label = self._labels[k]
             label.position, label.visible, label.text = position, True, text
         for label in self._labels[len(names) :]:

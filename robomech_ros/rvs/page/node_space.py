@@ -18,6 +18,12 @@ class NodeSpace(NamedTuple):
     #: Size of the robot (m); sizes of nodes are fractions of it.
     reach: float
 
+    def add_lines(self, name: str, ends: Array, colour: Any, width: float) -> Any:
+        """Add line segments (k, 2, 3) (m) of one colour, or one at each end; return the node."""
+        points, thickness = ends.astype(np.float32), width * self.reach
+        path = f"{self.base}/{name}"
+        return self.scene.add_line_segments(path, points, colour, thickness=thickness)
+
 
 def placed(T: Array) -> dict[str, Array]:
     """Return a pose (4, 4) as the position and the quaternion of a node, scalar first."""

@@ -138,11 +138,9 @@ class DistanceNodes:
 
     def __init__(self, space: NodeSpace) -> None:
         scene, base, reach = space
-        points = np.zeros((1, 2, 3), dtype=np.float32)
         name, hidden = f"{base}/nearest", {"visible": False}
-        self._line = scene.add_line_segments(
-            f"{name}/line", points, APART, thickness=WIDTH * reach, **hidden
-        )
+        self._line = space.add_lines("nearest/line", np.zeros((1, 2, 3)), APART, WIDTH)
+        self._line.visible = False
         self._ends = add_batch(scene, f"{name}/ends", sphere(END * reach), 2, **hidden)
         self._label = scene.add_label(
             f"{name}/label", "", anchor="bottom-left", depth_test=False, **hidden

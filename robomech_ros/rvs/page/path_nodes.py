@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomech_ros.rvs.model.ghosts import Rgb
 from robomech_ros.rvs.page.node_space import NodeSpace
@@ -17,14 +16,13 @@ class PathNode:
     """A line through points, drawn as soon as there are two."""
 
     def __init__(self, space: NodeSpace, name: str, colour: Rgb) -> None:
-        self._scene, self._width = space.scene, WIDTH * space.reach
-        self._name, self._colour = f"{space.base}/{name}", colour
+        self._space, self._name, self._colour = space, name, colour
         self._node: Any = None
-        self._shown: NDArray[np.float32] | None = None
+        self._shown: Array | None = None
 
     def show(self, points: Array) -> None:
         """Draw the line through points (m, 3) (m); none through fewer than two."""
-        ends = np.stack([points[:-1], points[1:]], axis=1).astype(np.float32)
+        ends = np.stack([points[:-1], points[1:]], axis=1)
         if self._shown is not None and np.array_equal(ends, self._shown):
             return
         self._shown = ends
@@ -32,6 +30,4 @@ class PathNode:
             self._node.remove()
             self._node = None
         if len(ends):
-            self._node = self._scene.add_line_segments(
-                self._name, ends, self._colour, thickness=self._width
-            )
+            self._node = self._space.add_lines(self._name, ends, self._colour, WIDTH)

@@ -9,7 +9,7 @@ from robomech_ros.rvs.model.bodies.visual_model import VisualModel
 from robomech_ros.rvs.model.draggable import DraggableRobot
 from robomech_ros.rvs.model.ghosts import PALETTE
 from robomech_ros.rvs.page.ghost_nodes import Ghost, GhostNodes
-from robomech_ros.rvs.page.node_space import NodeSpace, placed
+from robomech_ros.rvs.page.node_space import NodeSpace, place_node, placed
 from robomech_ros.rvs.page.robot_nodes import MARKED, RobotNodes
 from robomech_ros.rvs.page.surroundings import add_surroundings
 from robomech_ros.rvs.page.tables import notice, posture_table, summary
@@ -85,8 +85,7 @@ class PageScene:
         nodes = (self._robot.node, root), (self._arm.node, root), (self._base_node, T)
         with self._server.atomic():
             for node, pose in nodes:
-                at = placed(pose)
-                node.position, node.wxyz = at["position"], at["wxyz"]
+                place_node(node, pose)
 
     def fade(self, faded: bool) -> None:
         """Draw the robot translucent, or as it is."""

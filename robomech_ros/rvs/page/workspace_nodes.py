@@ -28,8 +28,7 @@ class WorkspaceNodes:
     """
 
     def __init__(self, space: NodeSpace, clicked: Callable[[Any, Array], None]) -> None:
-        self._scene, self._base, self._reach = space
-        self._clicked = clicked
+        self._space, self._clicked = space, clicked
         self._curves: Any = None
         self._surface: Any = None
         self._points: Any = None
@@ -46,19 +45,15 @@ class WorkspaceNodes:
         self.hide_boundary()
         lines, roles = view.segments()
         colours = np.array([ROLE_COLOURS[role] for role in roles], dtype=np.uint8)
-        self._curves = self._scene.add_line_segments(
-            f"{self._base}/workspace_section",
-            lines.astype(np.float32),
-            np.repeat(colours[:, None], 2, axis=1),
-            thickness=THICKNESS * self._reach,
-        )
+        both = np.repeat(colours[:, None], 2, axis=1)
+        self._curves = self._space.add_lines("workspace_section", lines, both, THICKNESS)
         solid = view.surface(cut=cut)
         self._outline = view.space.section.in_base(lines.reshape(-1, 3))
         if solid is not None:
             self._outline = solid.vertices
-            name = f"{self._base}/workspace_surface"
+            scene, name = self._space.scene, f"{self._space.base}/workspace_surface"
             look = {"side": "double"}
-            self._surface = add_mesh(self._scene, name, solid, SURFACE_COLOUR, OPACITY, **look)
+            self._surface = add_mesh(scene, name, solid, SURFACE_COLOUR, OPACITY, **look)
 
     def hide_boundary(self) -> None:
         """Show no boundary."""
@@ -80,8 +75,8 @@ class WorkspaceNodes:
             return
         side = CUBE * shown.spacing
         self._points = add_batch(
-            self._scene,
-            f"{self._base}/reach_map",
+            self._space.scene,
+            f"{self._space.base}/reach_map",
             box(side, side, side),
             len(shown.points),
             batched_positions=shown.points.astype(np.float32),

@@ -21,6 +21,7 @@ from robomech_ros.kinetostatics import (
 )
 from robomech_ros.kinetostatics.conditioning import length_scale
 from robomech_ros.robots import SerialChain
+from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array
 
 # Rows of the Jacobian by kind, and the units of their velocities and forces.
@@ -150,8 +151,7 @@ def drawn_ellipsoid(
         values, drawn = found.velocity, VELOCITY * reach / one * found.velocity
     else:
         values, drawn = found.force, FORCE * reach * one * found.force
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = found.axes, forward_kinematics(chain, q)[:3, 3]
+    pose = assembled(found.axes, forward_kinematics(chain, q)[:3, 3])
     half_axes = np.clip(drawn, LEAST * reach, MOST * reach)
     return DrawnEllipsoid(pose, half_axes, np.sort(values)[::-1], UNITS[part][kind == "force"])
 

@@ -75,9 +75,13 @@ class ArmView(DraggableRobot):
         """Check a posture."""
         values = np.array(q, dtype=np.float64)
         forward_kinematics(self.chain, values)
-        for joint, value in enumerate(values.tolist()):
-            self._check_inside(joint, value)
-        return np.clip(values, self.chain.lower, self.chain.upper)
+        lower, upper = self.chain.lower, self.chain.upper
+        inside = (values >= lower - ROUNDING) & (values <= upper + ROUNDING)
+        if not inside.all():
+            k = int(np.argmin(inside))
+            expected = f"{lower[k]:.6g} to {upper[k]:.6g} {self.units[k]}"
+            raise BadValueError(f"joint '{self.joint_names[k]}'", float(values[k]), expected)
+        return np.clip(values, lower, upper)
 
     def like(self, chain: SerialChain) -> ArmView:
         """Return another arm in the same posture, or at home if it has no such posture."""
@@ -90,8 +94,7 @@ class ArmView(DraggableRobot):
         values = self._q.copy()
         what = f"joint '{self.chain.joint_names[joint]}'"
         values[joint] = finite_number(what, value, self.chain.units[joint])
-        self._q = self.checked(values)
-        self._look_around()
+        self.move_to(values)
 
     def move_to(self, q: ArrayLike) -> None:
         """Take a posture; raises as :meth:`checked` does."""
@@ -144,10 +147,3 @@ class ArmView(DraggableRobot):
     def _look_around(self) -> None:
         self._curve_known = False
         self._study = study_pose(self.chain, self.tip, self._q)
-
-    def _check_inside(self, joint: int, value: float) -> None:
-        low, high = float(self.chain.lower[joint]), float(self.chain.upper[joint])
-        if low - ROUNDING <= value <= high + ROUNDING:
-            return
-        name, unit = self.chain.joint_names[joint], self.chain.units[joint]
-        raise BadValueError(f"joint '{name}'", value, f"{low:.6g} to {high:.6g} {unit}")

@@ -57,11 +57,6 @@ class TreeView(DraggableRobot):
         return np.asarray(self.description.link_poses(self.positions)[self.end])
 
     @property
-    def target(self) -> Array:
-        """Pose of the gizmo, equal to that of the dragged link (m), shape (4, 4)."""
-        return self.tip
-
-    @property
     def study(self) -> PoseStudy:
         """Study of the pose."""
         status = Status.OUT_OF_REACH if self._refused else Status.SUCCESS

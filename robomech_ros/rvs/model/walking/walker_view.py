@@ -11,7 +11,7 @@ from robomech_ros.rvs.model.walking.placed_tree import BODY_JOINTS, placed_tree,
 from robomech_ros.rvs.model.walking.support import Support
 from robomech_ros.spatial import as_pose
 from robomech_ros.typing import Array
-from robomech_ros.walking import GAITS, LeggedRobot, Walker, WalkUpdate
+from robomech_ros.walking import GAITS, LeggedRobot, Walker
 
 # Time (s) in which the trunk takes a pose, unless a joint would be too fast: it follows the mouse.
 HOP = 0.05
@@ -59,7 +59,7 @@ class WalkerView(MobileRobotView):
         self.most = np.round([speed / away, speed, speed], 2)
         self.chosen_gait = self._walker.gait
         self._refusal, self._refusing = "", ""
-        self._show(self._update)
+        self._show()
 
     @property
     def values(self) -> Array:
@@ -115,7 +115,8 @@ class WalkerView(MobileRobotView):
         self.moved_joint, self._refusal = None, ""
         self._in_motion = True
         self.trail.clear()
-        self._show(self._walker.update())
+        self._update = self._walker.update()
+        self._show()
 
     def choose_gait(self, gait: str) -> None:
         """Change the gait once the machine stands still."""
@@ -136,7 +137,7 @@ class WalkerView(MobileRobotView):
             still = float(np.abs(update.rates).max()) <= REST
             self._in_motion = update.walking or not still or bool(command.any())
         self.trail.add(self._update.base)
-        self._show(self._update)
+        self._show()
 
     def preview(self) -> None:
         """Describe the stance, or the reason for rejecting a pose."""
@@ -186,8 +187,8 @@ class WalkerView(MobileRobotView):
         self.preview()
         return possible
 
-    def _show(self, update: WalkUpdate) -> None:
-        self._update = update
+    def _show(self) -> None:
+        update = self._update
         joints = dict(zip(self.robot.joint_names, update.q.tolist(), strict=True))
         self.place(joints | placing(update.base, update.trunk, self.height))
         self.preview()
