@@ -114,36 +114,23 @@ def plot_postures(
     height = _PANEL * rows + (0.45 if title else 0.0)
     figure = new_figure(_PANEL * columns, height, dpi=_DPI, facecolor="white")
     panels = np.atleast_1d(figure.subplots(rows, columns)).ravel()
-    frame = _frame(view, skeletons)
-    for number, ax in enumerate(panels):
+    for ax in panels:
         ax.set_axis_off()
-        if number < len(postures):
-            _draw_panel(ax, view, frame, skeletons, whole, number)
-            _caption(ax, number, postures[number], chain)
+    (x, y), half = _frame(view, skeletons)
+    for number, (ax, arm, posture) in enumerate(zip(panels, skeletons, postures, strict=False)):
+        ax.set_aspect("equal")
+        ax.set_xlim(x - half, x + half)
+        ax.set_ylim(y - half, y + half)
+        painter = _Painter(ax, view, 2.0 * half)
+        for other in skeletons:
+            painter.ghost(other)
+        painter.arm(arm, whole)
+        _caption(ax, number, posture, chain)
     if title:
         figure.suptitle(title, color=_DARK, fontsize=13)
     path = Path(path)
     figure.savefig(path)
     return path
-
-
-def _draw_panel(
-    ax: Any,
-    view: _View,
-    frame: tuple[Array, float],
-    skeletons: list[_Skeleton],
-    chain: SerialChain,
-    number: int,
-) -> None:
-    """Draw the posture of this number, and all of them in grey behind it."""
-    middle, half = frame
-    ax.set_aspect("equal")
-    ax.set_xlim(middle[0] - half, middle[0] + half)
-    ax.set_ylim(middle[1] - half, middle[1] + half)
-    painter = _Painter(ax, view, 2.0 * half)
-    for other in skeletons:
-        painter.ghost(other)
-    painter.arm(skeletons[number], chain)
 
 
 def _rows(azimuth: float, elevation: float) -> Array:

@@ -133,11 +133,9 @@ def _forces(hand: HandView, study: GraspStudy) -> TwistArrows | None:
 
 def _load(hand: HandView, study: GraspStudy) -> TwistArrows:
     """Draw the load, from the centre of the object: force, and moment over the size."""
-    centre, longest = hand.tip[:3, 3], max(_longest(hand, study), 1e-12)
-    scale = LONGEST * hand.held.size / longest
-    force, moment = scale * hand.load[3:], hand.load[:3]
-    length = float(np.linalg.norm(moment))
-    along = moment * (LONGEST * hand.held.size / length) if length > 0.0 else moment
+    centre, size, moment = hand.tip[:3, 3], LONGEST * hand.held.size, hand.load[:3]
+    force = size / max(_longest(hand, study), 1e-12) * hand.load[3:]
+    along = size / max(float(np.linalg.norm(moment)), 1e-300) * moment
     parts = [
         np.stack([centre, centre + vector])[None] if vector.any() else np.empty((0, 2, 3))
         for vector in (force, along)

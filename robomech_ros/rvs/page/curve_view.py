@@ -150,7 +150,7 @@ class CurveView:
             self._problem = self._owner.problem((first, second))
             if self._problem is None:
                 return
-            self._curves = self._problem.curves()
+            self._curves = self._problem.source.curves()
         except RobomechError as error:
             self._present(notice([f"Refused: {error}"]))
             return

@@ -53,9 +53,9 @@ class Units:
         """Convert the angles of a text, which is in rad."""
         return _ANGLES.sub(_in_degrees, text) if self.degrees else text
 
-    def html(self, gui: Any, content: str = "", **options: Any) -> UnitText:
-        """Add HTML to a page or a browser (viser.GuiApi), whose angles follow the switch."""
-        return UnitText(self, gui.add_html("", **options), content)
+    def html(self, gui: Any, **options: Any) -> UnitText:
+        """Add empty HTML to a page or a browser (viser.GuiApi), whose angles follow the switch."""
+        return UnitText(self, gui.add_html("", **options))
 
     def slider(
         self, gui: Any, label: str, unit: str, ends: tuple[float, float], value: float, hint: str
@@ -89,9 +89,7 @@ class _Shown(ABC):
 class UnitText(_Shown):
     """HTML of a page, written in rad."""
 
-    def __init__(self, units: Units, handle: Any, content: str) -> None:
-        self._content = content
-        super().__init__(units, handle)
+    _content = ""
 
     @property
     def content(self) -> str:

@@ -52,30 +52,23 @@ class Finding:
     q: Array | None = None
 
 
-class CurveProblem:
-    """Two curves, and their known crossings.
+class CurveProblem(NamedTuple):
+    """Two curves, and their known crossings."""
 
-    - ``axes``: the two unknowns.
-    - ``others``: number of other equations.
-    - ``source``: makes the curves, and refines their crossings.
-    """
-
-    def __init__(
-        self, axes: tuple[Axis, Axis], others: int, source: PostureContours | CurvePair
-    ) -> None:
-        self.axes, self.others, self._source = axes, others, source
-
-    def curves(self) -> tuple[tuple[Array, ...], ...]:
-        """Return the two curves, each in pieces of connected points (k, 2)."""
-        return self._source.curves()
+    #: The two unknowns.
+    axes: tuple[Axis, Axis]
+    #: Number of other equations.
+    others: int
+    #: Makes the curves, and refines their crossings.
+    source: PostureContours | CurvePair
 
     def refine(self, estimate: ArrayLike) -> Finding:
         """Refine an estimate (2,); raises what ``CurvePair.refine`` does."""
-        return _finding(self._source.refine(estimate))
+        return _finding(self.source.refine(estimate))
 
     def all(self) -> list[Finding]:
         """Find all crossings."""
-        return [_finding(each) for each in self._source.all()]
+        return [_finding(each) for each in self.source.all()]
 
 
 def posture_problem(chain: SerialChain, T: Array, pair: tuple[int, int]) -> CurveProblem:

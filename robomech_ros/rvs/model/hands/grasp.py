@@ -130,11 +130,7 @@ def _force(contact: Contact, force: Array) -> str:
     if contact.model == "frictionless" or not contact.friction * normal > 0.0:
         return text
     share = float(np.linalg.norm(force - normal * contact.normal)) / (contact.friction * normal)
-    return (
-        f"{text}, all of its friction"
-        if share > USED_UP
-        else f"{text}, {share:.0%} of its friction"
-    )
+    return f"{text}, {'all' if share > USED_UP else f'{share:.0%}'} of its friction"
 
 
 def _effort(hand: Hand, k: int, effort: Array) -> str:

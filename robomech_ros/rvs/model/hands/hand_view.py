@@ -131,7 +131,7 @@ class HandView(TreeView):
         for part in SIZES:
             self.held = HeldObject("ball", float(f"{part * apart:.2g}"))
             self.torsional = TORSIONAL * self.held.size
-            self._follow()
+            self.touch()
             if self._study.postures:
                 break
         low, high = (float(f"{part * self.held.size:.2g}") for part in (SMALLEST, LARGEST))
@@ -186,11 +186,7 @@ class HandView(TreeView):
     def place(self, positions: Mapping[str, float]) -> None:
         """Set joints of fingers or object (rad or m); fingers follow."""
         super().place(positions)
-        self._follow()
-
-    def touch(self) -> None:
-        """Move the fingers after a change of the object or of contacts."""
-        self._follow()
+        self.touch()
 
     def dragged(self, T: Array) -> Mapping[str, float]:
         """Return the joints that bring the object to a pose, at the ends of its travels at most."""
@@ -208,7 +204,7 @@ class HandView(TreeView):
     def _named(self, q: Array) -> dict[str, float]:
         return dict(zip(self.hand.joint_names, q.tolist(), strict=True))
 
-    def _follow(self) -> None:
+    def touch(self) -> None:
         """Move the fingers to their contacts, in the postures nearest to the present ones."""
         hand, T, q = self.hand, self.tip, self.fingers_q
         wanted = [k for k, spot in enumerate(self.spots) if spot.touches]

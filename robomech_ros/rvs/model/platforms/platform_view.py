@@ -23,7 +23,7 @@ from robomech_ros.rvs.model.draggable import (
 from robomech_ros.rvs.model.platforms.ghosts import PlatformGhosts
 from robomech_ros.rvs.model.platforms.lists import PlatformList
 from robomech_ros.rvs.model.postures import PoseStudy, pose_summary
-from robomech_ros.spatial import as_pose, pose_error
+from robomech_ros.spatial import as_pose, matrix_from_axis_angle, pose_error
 from robomech_ros.typing import Array
 
 # Travel of a drive without a limit, in sizes of the robot.
@@ -62,7 +62,8 @@ class PlatformView(DraggableRobot):
 
     def follow(self, q: Array) -> None:
         """Take the joint values of a robot (rad or m)."""
-        self._go(q)
+        self._q, self._faulty = q, None
+        self._study = self._at_rest()
 
     @property
     def values(self) -> Array:
@@ -100,13 +101,13 @@ class PlatformView(DraggableRobot):
         if found.status != Code.NONE:
             raise BadValueError(what, value, f"what the robot can follow: {found.reason}")
         self._check_inside(found.q)
-        self._go(found.q)
+        self.follow(found.q)
 
     def move_to(self, q: ArrayLike) -> None:
         """Take a posture (n,) whose loops are closed."""
         given = np.array(q, dtype=np.float64)
         self._check_inside(given)
-        self._go(given)
+        self.follow(given)
 
     def drag(self, T: ArrayLike) -> None:
         """Move the platform to a pose, as near to the present posture as possible.
@@ -118,7 +119,7 @@ class PlatformView(DraggableRobot):
         target = self._possible(as_pose(T))
         found = self.mechanism.postures(target, seed=self._q)
         if len(found):
-            self._go(found.q[0])
+            self.follow(found.q[0])
             self._study = replace(self._study, target=target)
             return
         if self.mechanism is self.robot and self.mechanism.dof < TWIST:
@@ -130,7 +131,7 @@ class PlatformView(DraggableRobot):
 
     def release(self) -> None:
         """Release the gizmo; if the robot could not follow, it returns to the platform."""
-        self._go(self._q)
+        self.follow(self._q)
 
     def know(self, found: PlatformList) -> None:
         """Show a list of postures, even if the robot has moved since."""
@@ -141,10 +142,6 @@ class PlatformView(DraggableRobot):
     def ghosts(self, seen: VisualModel, radius_scale: float | None = None) -> PlatformGhosts:
         """Return the pieces of ghosts."""
         return PlatformGhosts(self.mechanism, seen.reach, radius_scale or 1.0)
-
-    def _go(self, q: Array) -> None:
-        self._q, self._faulty = q, None
-        self._study = self._at_rest()
 
     def _at_rest(self, target: Array | None = None) -> PoseStudy:
         at = self.tip if target is None else target
@@ -163,9 +160,7 @@ class PlatformView(DraggableRobot):
             return T
         R = present[:3, :3]
         if ABOUT_Z in motions:
-            angle = math.atan2(T[1, 0], T[0, 0])
-            cos, sin = math.cos(angle), math.sin(angle)
-            R = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+            R = matrix_from_axis_angle([0.0, 0.0, 1.0], math.atan2(T[1, 0], T[0, 0]))
         T[:3, :3] = R
         return T
 

@@ -11,7 +11,7 @@ from robomech_ros.robots.joint import Joint
 from robomech_ros.robots.urdf.document import description_from_urdf
 from robomech_ros.robots.urdf.elements import element, joint_element
 from robomech_ros.rolling.tree import BASE_JOINTS
-from robomech_ros.spatial import roll_pitch_yaw_from_matrix
+from robomech_ros.spatial import matrix_from_axis_angle, roll_pitch_yaw_from_matrix
 from robomech_ros.spatial.poses import assembled, rigid_inverse
 from robomech_ros.typing import Array
 
@@ -66,9 +66,8 @@ def placing(base: Array, T: Array, height: float) -> dict[str, float]:
     - ``T``: pose of the trunk over the ground (m), shape (4, 4).
     - ``height``: height of the level trunk (m).
     """
-    c, s = np.cos(base[2]), np.sin(base[2])
     away = T[:3, 3] - (base[0], base[1], height)
-    turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    turn = matrix_from_axis_angle([0.0, 0.0, 1.0], -base[2])
     offset = [*(turn @ away).tolist(), *roll_pitch_yaw_from_matrix(turn @ T[:3, :3]).tolist()]
     return dict(zip((*BASE_JOINTS, *BODY_JOINTS), (*base.tolist(), *offset), strict=True))
 

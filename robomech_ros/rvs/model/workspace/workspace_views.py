@@ -13,6 +13,8 @@ from robomech_ros.robots import SerialChain
 from robomech_ros.rvs.model.bodies.solids import Solid
 from robomech_ros.rvs.model.curves.curve_drawing import thinned
 from robomech_ros.rvs.model.curves.curve_problems import Axis
+from robomech_ros.spatial import matrix_from_axis_angle
+from robomech_ros.spatial.poses import assembled
 from robomech_ros.typing import Array, BoolArray, IntArray
 
 # Number of squares along the longer side of the section; each counts postures once.
@@ -61,14 +63,10 @@ class SectionView:
 
     def plane(self, T: Array) -> Array:
         """Return the pose (4, 4), in the base, of the section through the point."""
-        section = self.space.section
-        shift = np.eye(4)
+        section, azimuth, z = self.space.section, self.azimuth(T), np.array([0.0, 0.0, 1.0])
         if section.slides[0]:
-            shift[2, 3] = self.azimuth(T)
-        else:
-            c, s = math.cos(self.azimuth(T)), math.sin(self.azimuth(T))
-            shift[:2, :2] = ((c, -s), (s, c))
-        return section.base @ shift
+            return section.base @ assembled(np.eye(3), azimuth * z)
+        return section.base @ assembled(matrix_from_axis_angle(z, azimuth), np.zeros(3))
 
     def target(self, coordinates: Array, T: Array) -> Array:
         """Return the pose of the tip (4, 4) that brings the point to coordinates (2,) (m).
