@@ -98,11 +98,8 @@ class LiveMobileRobotLayer(LivePage):
         self._robot.hold(beat, speed)
 
     def _move_trunk(self) -> None:
-        try:
-            pairs = zip(self._followed.shifts, self._sliders, strict=True)
-            self._robot.move_trunk([_checked(shift, slider.value) for shift, slider in pairs])
-        except BadValueError as error:
-            self.refuse(error)
+        pairs = zip(self._followed.shifts, self._sliders, strict=True)
+        self._robot.move_trunk([_checked(shift, slider.value) for shift, slider in pairs])
 
     def _level_trunk(self) -> None:
         for slider in self._sliders:

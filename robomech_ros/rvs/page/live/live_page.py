@@ -2,7 +2,7 @@
 
 import html
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Sequence
 from typing import Any
 
 from robomech_ros.errors import BadValueError
@@ -55,6 +55,17 @@ class LivePage(Layer):
     def refuse(self, error: BadValueError) -> None:
         """Say that something was refused."""
         self.show_result(f"Refused: {error}", failed=True)
+
+    def ask(self, kind: Hashable, request: Callable[..., None], *arguments: Any) -> None:
+        """Run a request on the thread of the page; every browser sees why it is refused."""
+
+        def tried() -> None:
+            try:
+                request(*arguments)
+            except BadValueError as error:
+                self.refuse(error)
+
+        super().ask(kind, tried)
 
     def _stop(self) -> None:
         self._running.stop()
