@@ -1,6 +1,6 @@
 """The node that finds where a sensor is, on the hand or beside the robot."""
 
-from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from rclpy.callback_groups import ReentrantCallbackGroup
@@ -206,10 +206,4 @@ class CalibrationNode(Node):
         return answer(response)
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """Run the node; returns the exit code."""
-    return run_node(CalibrationNode, args)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+main = partial(run_node, CalibrationNode)

@@ -1,6 +1,6 @@
 """The node that answers questions of dynamics: efforts, accelerations, inertia, payload."""
 
-from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -184,10 +184,4 @@ class DynamicsNode(Node):
         return gravity_vector(request.gravity, np.array(self._table.settings.gravity))
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """Run the node; returns the exit code."""
-    return run_node(DynamicsNode, args)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+main = partial(run_node, DynamicsNode)

@@ -1,6 +1,5 @@
 """The node that answers what a hand holds: closure, forces and postures of grasps."""
 
-from collections.abc import Sequence
 from functools import partial
 from importlib.util import find_spec
 from typing import Any
@@ -138,10 +137,4 @@ class GraspingNode(Node):
         return fill_postures(hand, found, owners, whole, response)
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """Run the node; returns the exit code."""
-    return run_node(GraspingNode, args)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+main = partial(run_node, GraspingNode)

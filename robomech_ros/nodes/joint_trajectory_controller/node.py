@@ -240,10 +240,4 @@ def _robot(model: RobotModel, settings: ControllerSettings, clock: MotionClock) 
     return ParallelRobot(model.mechanism, settings, clock)
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """Run the node; returns the exit code."""
-    return run_node(JointTrajectoryControllerNode, args)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+main = partial(run_node, JointTrajectoryControllerNode)

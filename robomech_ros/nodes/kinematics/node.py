@@ -1,6 +1,5 @@
 """The node that answers kinematic questions: poses, joint positions, Jacobians, singularities."""
 
-from collections.abc import Sequence
 from contextlib import suppress
 from functools import partial
 from time import perf_counter
@@ -235,10 +234,4 @@ class KinematicsNode(Node):
             self._markers.show_boundary(await self._robot.boundary_markers(T))
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """Run the node; returns the exit code."""
-    return run_node(KinematicsNode, args)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+main = partial(run_node, KinematicsNode)

@@ -1,8 +1,8 @@
 """The node of a rolling robot: twists in, wheels, odometry and frames out."""
 
 import math
-from collections.abc import Sequence
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 from rclpy.node import Node
@@ -136,10 +136,4 @@ class MobileBaseNode(Node):
         return NodeHealth(f"{summary}; {trouble}" if trouble else summary, bool(trouble), values)
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """Run the node; returns the exit code."""
-    return run_node(MobileBaseNode, args)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+main = partial(run_node, MobileBaseNode)

@@ -1,6 +1,6 @@
 """The node that stands in for MoveIt's move_group."""
 
-from collections.abc import Sequence
+from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -126,10 +126,4 @@ class MoveGroupNode(Node):
         self._worker.begin(settle_pages)
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """Run the node; returns the exit code."""
-    return run_node(MoveGroupNode, args)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+main = partial(run_node, MoveGroupNode)

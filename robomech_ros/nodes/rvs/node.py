@@ -1,6 +1,6 @@
 """The node that shows the running robot in a browser, and has it moved from there."""
 
-from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from rclpy.node import Node
@@ -98,10 +98,4 @@ class RvsNode(Node):
         super().destroy_node()
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """Run the node; returns the exit code."""
-    return run_node(RvsNode, args)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+main = partial(run_node, RvsNode)

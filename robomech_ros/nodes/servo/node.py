@@ -1,7 +1,7 @@
 """The node that drives the robot by twists and joint velocities, as they come."""
 
-from collections.abc import Sequence
 from contextlib import suppress
+from functools import partial
 from threading import Thread
 from typing import Any
 
@@ -98,10 +98,4 @@ def _find_length(chain: SerialChain) -> None:
         scaling_length(chain, None)
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """Run the node; returns the exit code."""
-    return run_node(ServoNode, args)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+main = partial(run_node, ServoNode)

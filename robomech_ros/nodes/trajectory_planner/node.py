@@ -1,6 +1,6 @@
 """The node that plans motions within the limits of every joint."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -205,10 +205,4 @@ def _motions_of(model: RobotModel, joints: JointPositions) -> "ChainMotions | Pl
     return PlatformMotions(model.mechanism, joints)
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """Run the node; returns the exit code."""
-    return run_node(TrajectoryPlannerNode, args)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+main = partial(run_node, TrajectoryPlannerNode)

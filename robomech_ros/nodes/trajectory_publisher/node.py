@@ -1,6 +1,6 @@
 """The node that sends planned trajectories to the controller and sees whether the robot arrives."""
 
-from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from rclpy.node import Node
@@ -132,10 +132,4 @@ class TrajectoryPublisherNode(Node):
         super().destroy_node()
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """Run the node; returns the exit code."""
-    return run_node(TrajectoryPublisherNode, args)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+main = partial(run_node, TrajectoryPublisherNode)

@@ -1,6 +1,6 @@
 """The node of a walking machine: twists and poses in, joints, odometry and contacts out."""
 
-from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from rclpy.node import Node
@@ -41,10 +41,4 @@ class WalkerNode(Node):
             self._driver.cycle()
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """Run the node; returns the exit code."""
-    return run_node(WalkerNode, args)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+main = partial(run_node, WalkerNode)
