@@ -8,9 +8,8 @@ from rclpy.node import Node
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from robomech_ros.nodes.calibration.messages import stamped_transform
 from robomech_ros.nodes.calibration.samples import Frames, PublishedFrame, Samples
-from robomech_ros.nodes.common.messages.pose_messages import pose_from_matrix
+from robomech_ros.nodes.common.messages.pose_messages import pose_from_matrix, stamped_transform
 from robomech_ros.nodes.common.robot.robot_description import LATCHED
 from robomech_ros.nodes.frames.listener import FrameListener
 from robomech_ros.nodes.frames.tree import NoTransformError

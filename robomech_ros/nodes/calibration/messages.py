@@ -3,8 +3,7 @@
 from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import PoseArray, TransformStamped, Vector3
-from std_msgs.msg import Header
+from geometry_msgs.msg import PoseArray, Vector3
 
 from robomech_ros.calibration import HandEyeResult, NextPose
 from robomech_ros.calibration.estimation import LARGEST_COORDINATE
@@ -17,9 +16,9 @@ from robomech_ros.nodes.common.messages.pose_messages import (
     matrix_from_pose,
     pose_from_matrix,
     stamped_pose,
+    stamped_transform,
 )
 from robomech_ros.spatial import rotation_vector_from_matrix
-from robomech_ros.spatial.plain_poses import plain_pose
 from robomech_ros.typing import Array
 
 _MOST_NAMED = 20
@@ -51,14 +50,6 @@ def poses_from_array(message: PoseArray, frame: str, what: str, most: int) -> Ar
             f"at most {LARGEST_COORDINATE:g} m",
         )
     return poses
-
-
-def stamped_transform(T: Array, parent: str, child: str) -> TransformStamped:
-    """Convert a pose (4, 4) of a frame in its parent to a message; the stamp stays 0."""
-    message = TransformStamped(header=Header(frame_id=parent), child_frame_id=child)
-    place, turn = message.transform.translation, message.transform.rotation
-    (place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w) = plain_pose(T)
-    return message
 
 
 def fill_list(samples: Samples, base: str, sensor: str, response: Any) -> None:

@@ -5,12 +5,11 @@ from typing import Any
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import PoseStamped, TransformStamped
+from geometry_msgs.msg import PoseStamped
 
 from robomech_ros.kinematics import forward_kinematics
-from robomech_ros.nodes.calibration.messages import stamped_transform
 from robomech_ros.nodes.common.messages.message_fields import NANO
-from robomech_ros.nodes.common.messages.pose_messages import stamped_pose
+from robomech_ros.nodes.common.messages.pose_messages import stamped_pose, stamped_transform
 from robomech_ros.nodes.demonstration.client import DemoClient
 from robomech_ros.robots import SerialChain
 from robomech_ros.spatial import inverse_pose, matrix_from_rotation_vector, pose_exponential
@@ -107,7 +106,7 @@ class SimulatedCamera:
         sec, nanosec = divmod(round(instant * NANO), NANO)
         stamp = Time(sec=sec, nanosec=nanosec)
         if "tf" in self._publishers:
-            message: TransformStamped = stamped_transform(seen, CAMERA, MARKER)
+            message = stamped_transform(seen, CAMERA, MARKER)
             message.header.stamp = stamp
             self._publishers["tf"].publish(self._kind(transforms=[message]))
             return

@@ -3,16 +3,13 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from geometry_msgs.msg import TransformStamped
-from nav_msgs.msg import Odometry
 from rclpy.node import Node
 
 from robomech_ros.dynamics import FloatingBase, FloatingChain
-from robomech_ros.nodes.common.messages.message_fields import NANO, fill_header
-from robomech_ros.nodes.common.messages.pose_messages import fill_pose
+from robomech_ros.nodes.common.messages.message_fields import NANO
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import ParameterError
-from robomech_ros.nodes.common.robot.odometry_frame import LEAST, odometry_frame
+from robomech_ros.nodes.common.robot.odometry_frame import LEAST, OdometryPublisher
 from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.display.robot_display import NEVER
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
@@ -26,7 +23,8 @@ from robomech_ros.robots import Body
 from robomech_ros.spatial.plain_poses import plain_pose
 from robomech_ros.trajectory.limits import Limits
 
-_DEPTH = 10
+# The simulation knows pose and twist; filters invert these matrices.
+_COVARIANCE = (LEAST * np.eye(6)).ravel()
 
 
 class FloatingArm(SimulatedRobot):
@@ -93,34 +91,15 @@ class BasePublisher:
         self, node: Node, arm: FloatingArm, model: RobotModel, settings: ControllerSettings
     ) -> None:
         self._arm = arm
-        self._odom = model.frame_prefix + settings.odom_frame_id
-        self._message = Odometry(child_frame_id=model.base_frame)
-        # The simulation knows both; filters invert these matrices.
-        for part in (self._message.pose, self._message.twist):
-            part.covariance = (LEAST * np.eye(6)).ravel()
-        self._odometry = node.create_publisher(Odometry, "odom", _DEPTH)
-        never = settings.publish_frames == NEVER
-        self._frames = None if never else odometry_frame(node, "/tf")
+        odom = model.frame_prefix + settings.odom_frame_id
+        frames = "" if settings.publish_frames == NEVER else "/tf"
+        self._odometry = OdometryPublisher(node, "odom", frames, odom, model.base_frame)
 
     def publish(self, stamp: tuple[int, int]) -> None:
         """Publish them at a ROS time (s and ns); the lock of the arm is to be held."""
-        base, message = self._arm.base, self._message
-        nanoseconds = stamp[0] * NANO + stamp[1]
-        fill_header(message.header, self._odom, nanoseconds)
-        fill_pose(message.pose.pose, base.pose)
-        angular, linear = message.twist.twist.angular, message.twist.twist.linear
-        twist = base.rates[:6].tolist()
-        angular.x, angular.y, angular.z, linear.x, linear.y, linear.z = twist
-        self._odometry.publish(message)
-        if self._frames is None:
-            return
-        frame = TransformStamped(child_frame_id=message.child_frame_id)
-        fill_header(frame.header, self._odom, nanoseconds)
-        place, turn = plain_pose(base.pose)
-        put, turned = frame.transform.translation, frame.transform.rotation
-        put.x, put.y, put.z = place
-        turned.x, turned.y, turned.z, turned.w = turn
-        self._frames.publish(self._frames.msg_type(transforms=[frame]))
+        base, nanoseconds = self._arm.base, stamp[0] * NANO + stamp[1]
+        covariances = _COVARIANCE, _COVARIANCE
+        self._odometry.publish(plain_pose(base.pose), base.rates[:6], covariances, nanoseconds)
 
 
 def _load(settings: ControllerSettings) -> tuple[object, ...]:

@@ -1,22 +1,21 @@
 """Published state of a mobile base: odometry, frames, wheels and their commands."""
 
 import math
-from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import PoseStamped, TransformStamped, TwistStamped
-from nav_msgs.msg import Odometry
+from geometry_msgs.msg import PoseStamped, TwistStamped
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.messages.message_fields import fill_header, floats
+from robomech_ros.nodes.common.messages.pose_messages import PlainPose, fill_place, fill_twist
 from robomech_ros.nodes.common.robot.odometry_frame import (
     POSE,
     TWIST,
+    OdometryPublisher,
     full_covariance,
-    odometry_frame,
 )
 from robomech_ros.nodes.display.robot_display import AUTO, NEVER, RobotDisplay
 from robomech_ros.nodes.mobile_base.mobile_base import MobileBase
@@ -71,15 +70,14 @@ class BasePublication:
         self._commanded = [order.index(number) for number in self._wheels if number in order]
         self._of_pose, self._of_twist = _constant_covariances(settings, base)
         self._joint_states = node.create_publisher(JointState, "joint_states", _DEPTH)
-        self._odometry = node.create_publisher(Odometry, base.interface.odometry, _DEPTH)
+        topic, frames = base.interface.odometry, base.interface.frames
+        frames = frames if settings.enable_odom_tf else ""
+        self._odometry = OdometryPublisher(node, topic, frames, self._odom, self._frame)
         self._truth = node.create_publisher(PoseStamped, "~/simulated_base", _DEPTH)
         self._commands = node.create_publisher(Float64MultiArray, "~/commands", _DEPTH)
         self._limited = None
         if settings.publish_limited_velocity:
             self._limited = node.create_publisher(TwistStamped, "~/cmd_vel_out", _DEPTH)
-        self._frames = None
-        if settings.enable_odom_tf:
-            self._frames = odometry_frame(node, base.interface.frames)
         self._display = _display(node, base.robot, joints, settings, prefix)
         self._states_per_frames = max(round(settings.publish_rate / settings.frame_rate), 1)
         self._count = 0
@@ -92,7 +90,7 @@ class BasePublication:
         if self._limited is not None:
             message = TwistStamped()
             fill_header(message.header, self._frame, stamp)
-            _put_twist(message.twist, self._base.motion.twist)
+            fill_twist(message.twist, _twist_in_space(self._base.motion.twist))
             self._limited.publish(message)
 
     def publish_states(self, stamp: int) -> None:
@@ -115,25 +113,16 @@ class BasePublication:
             when = self._states.header.stamp
             at = dict(zip(self._states.name, self._states.position, strict=True))
             self._display.publish(at, (when.sec, when.nanosec))
-        message = Odometry(child_frame_id=self._frame)
-        fill_header(message.header, self._odom, stamp)
-        odometry = base.odometry
-        _put_pose(message.pose.pose.position, message.pose.pose.orientation, odometry.pose)
-        _put_twist(message.twist.twist, base.mean_twist)
-        for part, constant, known, places in (
-            (message.pose, self._of_pose, odometry.covariance, POSE),
-            (message.twist, self._of_twist, odometry.twist_covariance, TWIST),
-        ):
-            part.covariance = full_covariance(known, places) if constant is None else constant
-        self._odometry.publish(message)
-        if self._frames is not None:
-            frame = TransformStamped(child_frame_id=self._frame)
-            fill_header(frame.header, self._odom, stamp)
-            _put_pose(frame.transform.translation, frame.transform.rotation, odometry.pose)
-            self._frames.publish(self._frames.msg_type(transforms=[frame]))
+        odometry, of_pose, of_twist = base.odometry, self._of_pose, self._of_twist
+        if of_pose is None:
+            of_pose = full_covariance(odometry.covariance, POSE)
+        if of_twist is None:
+            of_twist = full_covariance(odometry.twist_covariance, TWIST)
+        place, twist = _in_space(odometry.pose), _twist_in_space(base.mean_twist)
+        self._odometry.publish(place, twist, (of_pose, of_twist), stamp)
         truth = PoseStamped()
         fill_header(truth.header, self._odom, stamp)
-        _put_pose(truth.pose.position, truth.pose.orientation, simulated.pose)
+        fill_place(truth.pose.position, truth.pose.orientation, _in_space(simulated.pose))
         self._truth.publish(truth)
 
 
@@ -147,10 +136,10 @@ def _constant_covariances(
     return made[0], made[1]
 
 
-def _put_twist(message: Any, twist: Array) -> None:
-    message.angular.z, message.linear.x, message.linear.y = twist.tolist()
+def _twist_in_space(twist: Array) -> Array:
+    return np.array([0.0, 0.0, *twist, 0.0])
 
 
-def _put_pose(position: Any, orientation: Any, pose: Array) -> None:
-    position.x, position.y, heading = pose.tolist()
-    orientation.z, orientation.w = math.sin(0.5 * heading), math.cos(0.5 * heading)
+def _in_space(pose: Array) -> PlainPose:
+    x, y, heading = pose.tolist()
+    return (x, y, 0.0), (0.0, 0.0, math.sin(0.5 * heading), math.cos(0.5 * heading))

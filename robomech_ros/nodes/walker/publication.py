@@ -3,19 +3,17 @@
 import math
 
 import numpy as np
-from geometry_msgs.msg import Point, Point32, PolygonStamped, TransformStamped
-from nav_msgs.msg import Odometry
+from geometry_msgs.msg import Point, Point32, PolygonStamped
 from rclpy.node import Node
 from std_msgs.msg import Float64
 
 from robomech_interfaces.msg import FootContacts
 from robomech_ros.nodes.common.messages.message_fields import NANO, fill_header
-from robomech_ros.nodes.common.messages.pose_messages import fill_pose
 from robomech_ros.nodes.common.robot.odometry_frame import (
     POSE,
     TWIST,
+    OdometryPublisher,
     full_covariance,
-    odometry_frame,
 )
 from robomech_ros.nodes.walker.settings import WalkerSettings
 from robomech_ros.spatial import pose_logarithm
@@ -86,38 +84,24 @@ class WalkPublication:
 
     def __init__(self, node: Node, robot: LeggedRobot, settings: WalkerSettings) -> None:
         prefix = settings.frame_prefix
-        self._odom, self._trunk = prefix + settings.odom_frame_id, prefix + robot.trunk
+        self._odom = prefix + settings.odom_frame_id
+        frames, trunk = "/tf" if settings.enable_odom_tf else "", prefix + robot.trunk
+        self._odometry = OdometryPublisher(node, "odom", frames, self._odom, trunk)
         self._names = list(robot.leg_names)
-        self._odometry = node.create_publisher(Odometry, "odom", _DEPTH)
         self._contacts = node.create_publisher(FootContacts, "foot_contacts", _DEPTH)
         self._margin = node.create_publisher(Float64, "~/stability_margin", _DEPTH)
         self._polygon = node.create_publisher(PolygonStamped, "~/support_polygon", _DEPTH)
-        self._frames = odometry_frame(node, "/tf") if settings.enable_odom_tf else None
         self._before: tuple[int, Array] | None = None
         self._uncertainty = Uncertainty(settings.foot_slip)
 
     def publish(self, update: WalkUpdate, stamp: int) -> None:
         """Publish a moment of the walk, at a ROS time (ns)."""
-        message = Odometry(child_frame_id=self._trunk)
-        fill_header(message.header, self._odom, stamp)
-        fill_pose(message.pose.pose, update.trunk)
         before, self._before = self._before, (stamp, update.trunk)
         seconds = 0.0 if before is None else (stamp - before[0]) / NANO
         self._uncertainty.add(update, seconds)
-        twist = mean_twist(before[1] if before else update.trunk, update.trunk, seconds).tolist()
-        angular, linear = message.twist.twist.angular, message.twist.twist.linear
-        angular.x, angular.y, angular.z, linear.x, linear.y, linear.z = twist
-        message.pose.covariance = self._uncertainty.pose
-        message.twist.covariance = self._uncertainty.twist
-        self._odometry.publish(message)
-        if self._frames is not None:
-            frame = TransformStamped(child_frame_id=self._trunk)
-            fill_header(frame.header, self._odom, stamp)
-            (x, y, z), (qx, qy, qz, qw) = plain_pose(update.trunk)
-            place, turn = frame.transform.translation, frame.transform.rotation
-            place.x, place.y, place.z = x, y, z
-            turn.x, turn.y, turn.z, turn.w = qx, qy, qz, qw
-            self._frames.publish(self._frames.msg_type(transforms=[frame]))
+        twist = mean_twist(before[1] if before else update.trunk, update.trunk, seconds)
+        covariances = self._uncertainty.pose, self._uncertainty.twist
+        self._odometry.publish(plain_pose(update.trunk), twist, covariances, stamp)
         standing = [bool(one) for one in update.contacts]
         feet = [Point(x=x, y=y, z=z) for x, y, z in update.feet.tolist()]
         contacts = FootContacts(names=self._names, contacts=standing, feet=feet)

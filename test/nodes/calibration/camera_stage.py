@@ -18,9 +18,8 @@ from robomech_interfaces.srv import (
     SolveCalibration,
     TakeSample,
 )
-from robomech_ros.nodes.calibration.messages import stamped_transform
 from robomech_ros.nodes.calibration.node import CalibrationNode
-from robomech_ros.nodes.common.messages.pose_messages import pose_from_matrix
+from robomech_ros.nodes.common.messages.pose_messages import pose_from_matrix, stamped_transform
 from robomech_ros.spatial import pose_exponential
 
 __all__ = ["FRAMES", "NANO", "Stage"]

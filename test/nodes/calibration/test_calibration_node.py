@@ -22,9 +22,8 @@ from robomech_interfaces.srv import RemoveSample, SolveCalibration
 from robomech_ros.calibration import hand_eye, next_best_pose
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.calibration.files import FORMAT
-from robomech_ros.nodes.calibration.messages import stamped_transform
 from robomech_ros.nodes.calibration.node import CalibrationNode
-from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
+from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, stamped_transform
 from robomech_ros.spatial import inverse_pose, pose_exponential, pose_from_position_quaternion
 
 LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)

@@ -181,7 +181,7 @@ def test_what_never_moves_is_always_up_to_date(graph):
     """A calibration bench: the hand is fixed to the base by /tf_static."""
     from test_calibration_node import fixed
 
-    from robomech_ros.nodes.calibration.messages import stamped_transform
+    from robomech_ros.nodes.common.messages.pose_messages import stamped_transform
 
     stage = Stage(graph)
     stage.hand = None

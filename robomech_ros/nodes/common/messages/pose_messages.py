@@ -7,9 +7,10 @@ overhead on four of them would be a good part of a service's answer time.
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import Point, Pose, PoseStamped, Twist, TwistStamped
+from geometry_msgs.msg import Point, Pose, PoseStamped, TransformStamped, Twist, TwistStamped
 from std_msgs.msg import Header
 
 from robomech_ros._kernels.spatial.tolerances import UNIT_NORM
@@ -19,6 +20,8 @@ from robomech_ros.spatial.poses import assembled
 from robomech_ros.spatial.rotations.quaternions import matrix_from_quaternion
 from robomech_ros.typing import Array
 
+#: Position (m) and quaternion xyzw.
+PlainPose = tuple[Sequence[float], Sequence[float]]
 _POSE_NUMBERS = 7
 
 
@@ -73,10 +76,22 @@ def fill_pose(message: Pose, T: Array) -> None:
 
     The quaternion has w >= 0; if w is 0, its first number that is not zero is positive.
     """
-    (px, py, pz), (x, y, z, w) = plain_pose(T)
-    position, orientation = message.position, message.orientation
-    position.x, position.y, position.z = px, py, pz
-    orientation.x, orientation.y, orientation.z, orientation.w = x, y, z, w
+    fill_place(message.position, message.orientation, plain_pose(T))
+
+
+def fill_place(
+    position: Any, orientation: Any, place: tuple[Sequence[float], Sequence[float]]
+) -> None:
+    """Write a position (m) and a quaternion xyzw to the parts of a pose or a transform."""
+    (position.x, position.y, position.z), turn = place
+    orientation.x, orientation.y, orientation.z, orientation.w = turn
+
+
+def stamped_transform(T: Array, parent: str, child: str) -> TransformStamped:
+    """Return the transform of a frame, for tf; the stamp stays 0."""
+    message = TransformStamped(header=Header(frame_id=parent), child_frame_id=child)
+    fill_place(message.transform.translation, message.transform.rotation, plain_pose(T))
+    return message
 
 
 def stamped_pose(T: Array, frame: str) -> PoseStamped:
@@ -116,9 +131,14 @@ def twist_vector(twist: Twist) -> Array:
 def stamped_twist(twist: Array, frame: str) -> TwistStamped:
     """Convert a twist (6,), angular first, to a message in a frame; the stamp stays 0."""
     message = TwistStamped(header=Header(frame_id=frame))
-    for vector, values in ((message.twist.angular, twist[:3]), (message.twist.linear, twist[3:])):
-        vector.x, vector.y, vector.z = values.tolist()
+    fill_twist(message.twist, twist)
     return message
+
+
+def fill_twist(message: Twist, twist: Array) -> None:
+    """Write a twist (6,), angular first (rad/s and m/s), to a message."""
+    angular, linear = message.angular, message.linear
+    angular.x, angular.y, angular.z, linear.x, linear.y, linear.z = twist.tolist()
 
 
 def linear_rows_first(J: Array) -> Array:
