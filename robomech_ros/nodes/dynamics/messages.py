@@ -162,11 +162,8 @@ async def tip_wrench(
     moment = _vector(message.wrench.torque, "tip_wrench.wrench.torque")
     at = dict(zip(joint_names, q.T, strict=True))
     pose = await frames.in_base(message.header.frame_id, patience, message.header.stamp, at)
-    if pose is not None:
-        axes = pose[..., :3, :3]
-        moment, force = axes @ moment, axes @ force
-    wrench = np.empty((len(q), 6))
-    wrench[:, :3], wrench[:, 3:] = moment, force
+    axes, wrench = pose[..., :3, :3], np.empty((len(q), 6))
+    wrench[:, :3], wrench[:, 3:] = axes @ moment, axes @ force
     return wrench
 
 

@@ -38,16 +38,16 @@ class FrameAttachment:
 
     #: Chain from the base to the link that carries the frame; None if that is the base.
     chain: SerialChain | None
-    #: Pose (4, 4) of the frame in that link (m); None if the frame is that of the link.
-    offset: Array | None
+    #: Pose (4, 4) of the frame in that link (m).
+    offset: Array
 
     @property
     def joint_names(self) -> tuple[str, ...]:
         """The joints that move it."""
         return () if self.chain is None else self.chain.joint_names
 
-    def pose(self, positions: Positions) -> Array | None:
-        """Return its pose in the base at positions by joint; None for the base itself.
+    def pose(self, positions: Positions) -> Array:
+        """Return its pose in the base at positions by joint.
 
         It is of shape (..., 4, 4) where joints move it, else of (4, 4) (m).
         """
@@ -56,15 +56,11 @@ class FrameAttachment:
         values = np.broadcast_arrays(*[positions[name] for name in self.chain.joint_names])
         return self.pose_at(np.stack(values, axis=-1))
 
-    def pose_at(self, q: Array) -> Array | None:
+    def pose_at(self, q: Array) -> Array:
         """Return the same at joint values (..., n) of its chain."""
         if self.chain is None:
             return self.offset
-        T = forward_kinematics(self.chain, q)
-        return T if self.offset is None else T @ self.offset
-
-
-_BASE = FrameAttachment(None, None)
+        return forward_kinematics(self.chain, q) @ self.offset
 
 
 class RobotFrames:
@@ -123,8 +119,8 @@ class RobotFrames:
 
     async def in_base(
         self, frame: str, patience: float, stamp: Time | None = None, at: Positions | None = None
-    ) -> Array | None:
-        """Return the pose of a frame in the base, (4, 4) (m); None for the base itself.
+    ) -> Array:
+        """Return the pose of a frame in the base, (4, 4) (m).
 
         - ``patience``: how long to wait for the frame, and for the joints that move it (s).
         - ``stamp``: as for `find`.
@@ -134,8 +130,6 @@ class RobotFrames:
         Raises FrameUnavailableError: as `find` raises it. NoStateError: joints move the frame, and
         where they are is not known.
         """
-        if not frame:
-            return None
         place = await self.place(frame, patience, stamp)
         given = at or {}
         missing = [name for name in place.joint_names if name not in given]
@@ -157,7 +151,7 @@ class RobotFrames:
         model, tree = self.model, self._listener.tree
         link = model.link_of(frame)
         if not link or link == model.chain.base:
-            return _BASE
+            return FrameAttachment(None, np.eye(4))
         own = self._place_of_link(link)
         if own is not None and own.chain is None:
             return own
@@ -181,7 +175,7 @@ class RobotFrames:
         if link not in self.model.description.links:
             return None
         try:
-            return FrameAttachment(self.model.chain_to(link), None)
+            return FrameAttachment(self.model.chain_to(link), np.eye(4))
         except RobotDescriptionError:
             return None
 
@@ -240,8 +234,7 @@ class RobotFrames:
                     f"what tf last said of {found.slowest!r} is {-age:.4g} s ahead of the time "
                     f"here, expected at most {_MAX_AHEAD:g} s: two clocks differ"
                 )
-        offset = found.pose if place.offset is None else place.offset @ found.pose
-        return FrameAttachment(place.chain, offset)
+        return FrameAttachment(place.chain, place.offset @ found.pose)
 
     def _unavailable(self, frame: str, error: NoTransformError) -> FrameUnavailableError:
         """Say what was not found, and what there is."""

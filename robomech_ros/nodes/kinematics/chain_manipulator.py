@@ -120,7 +120,7 @@ class ChainManipulator:
         return distances_between(T, forward_kinematics(self._chain, q))
 
     def jacobian(
-        self, carrier: SerialChain, q: Array, point: Array, axes: Array | None
+        self, carrier: SerialChain, q: Array, point: Array, axes: Array
     ) -> tuple[Array, Sequence[str]]:
         """Return the Jacobian (6, n) of a point, and all joints."""
         return point_jacobian(carrier, q, point, axes), carrier.joint_names

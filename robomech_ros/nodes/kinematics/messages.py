@@ -109,26 +109,25 @@ async def poses_in_base(frames: RobotFrames, poses: list[Any], patience: float) 
     T = np.empty((len(poses), 4, 4))
     for k, stamped in enumerate(poses):
         T[k] = matrix_from_pose(stamped.pose, f"poses[{k}].pose")
-    known: dict[tuple[str, int, int], Array | None] = {}
+    known: dict[tuple[str, int, int], Array] = {}
     for k, stamped in enumerate(poses):
         frame, stamp = stamped.header.frame_id, stamped.header.stamp
         key = frame, stamp.sec, stamp.nanosec
         if key not in known:
             known[key] = await frames.in_base(frame, patience, stamp)
-        if (pose := known[key]) is not None:
-            T[k] = pose @ T[k]
+        T[k] = known[key] @ T[k]
     return T
 
 
-def encode_report(report: PostureReport, axes: Array | None, frame: str, response: Any) -> Any:
+def encode_report(report: PostureReport, axes: Array, frame: str, response: Any) -> Any:
     """Fill an AnalyzeSingularity response.
 
-    - ``axes``: rotation of the frame in the base in whose axes directions are given; None = base,
+    - ``axes``: rotation of the frame in the base in whose axes directions are given,
       shape (3, 3) or None.
     - ``response``: AnalyzeSingularity.Response.
     """
     lost, free = (
-        twists if axes is None else (twists.reshape(-1, 2, 3) @ axes).reshape(-1, 6)
+        (twists.reshape(-1, 2, 3) @ axes).reshape(-1, 6)
         for twists in (report.lost_directions, report.free_directions)
     )
     response.singular_values = floats(report.singular_values)

@@ -138,7 +138,7 @@ class KinematicsNode(Node):
         frame = await self._frames.in_base(header.frame_id, patience, header.stamp)
         seed = self._joints.seed(way, request.seed)
         scene = await self._scene.of(way, request.ignore_collisions)
-        start, in_base = perf_counter(), T if frame is None else frame @ T
+        start, in_base = perf_counter(), frame @ T
         if self._floating.floats and self._frames.is_apart(header.frame_id):
             # Compiled code is loaded only for such a robot.
             from robomech_ros.nodes.kinematics.inertial_solution import solve_inertial
@@ -211,17 +211,17 @@ class KinematicsNode(Node):
         await self._show_boundary(T[0] if len(T) else None)
         return answer_in_time(response, done, len(T), settings.batch_timeout)
 
-    async def _posture_asked(self, way: Linkage, request: Any) -> tuple[Array, Array, Array | None]:
+    async def _posture_asked(self, way: Linkage, request: Any) -> tuple[Array, Array, Array]:
         """Read the posture (n,), the point (3,) and the axes of a request about a Jacobian.
 
-        The axes are ``R_base_axes``, shape (3, 3), or None for those of the base.
+        The axes are ``R_base_axes``, shape (3, 3).
         """
         patience = self._table.settings.state_timeout
         q = await self._joints.read_or_present(way, request.state, "state", patience)
         point = point_vector(request.tool_point, "tool_point")
         at = dict(zip(way.joint_names, q.tolist(), strict=True))
         frame = await self._frames.in_base(request.reference_frame, patience, at=at)
-        return q, point, None if frame is None else frame[:3, :3]
+        return q, point, frame[:3, :3]
 
     async def _show_first_boundary(self) -> None:
         """Find and show the boundary when the first subscriber of the markers comes."""

@@ -146,7 +146,7 @@ class PlatformManipulator:
         return limb_errors(self._mechanism, q, T)
 
     def jacobian(
-        self, carrier: SerialChain, q: Array, point: Array, axes: Array | None
+        self, carrier: SerialChain, q: Array, point: Array, axes: Array
     ) -> tuple[Array, Sequence[str]]:
         """Return the Jacobian (6, m) of a point of a link of a limb, and the drives."""
         index = self._places(carrier)

@@ -85,8 +85,7 @@ async def read_question(request: Any, robot: WholeRobot, settings: Any) -> Carte
             *robot.joints_to_base_of(chain),
         )
         positions = await robot.start(request.start_state, joints, settings)
-    pose = places[frame].pose(positions)
-    to_base = robot.in_base_of(chain, np.eye(4) if pose is None else pose, positions)
+    to_base = robot.in_base_of(chain, places[frame].pose(positions), positions)
     return CartesianQuestion(
         chain=chain,
         joint_names=robot.model.joints_of(request.group_name),

@@ -135,8 +135,7 @@ def _of_position(what: str, message: Any, robot: WholeRobot, places: _Places) ->
 
 def _seen_from(frame: FrameAttachment, T: Array, positions: Positions) -> Array:
     """Return a pose (4, 4) in the base as seen from a frame."""
-    pose = frame.pose(positions)
-    return T if pose is None else inverse_pose(pose) @ T
+    return np.asarray(inverse_pose(frame.pose(positions)) @ T)
 
 
 def _shape(what: str, shape: Any, pose: Any) -> tuple[int, list[float], Array]:

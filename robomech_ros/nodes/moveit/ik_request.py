@@ -68,8 +68,7 @@ async def read_ik_request(request: Any, robot: WholeRobot, patience: float) -> I
     positions = robot.with_defaults(positions)
     targets = []
     for chain, T, frame in zip(chains, poses, frames, strict=True):
-        in_base = places[frame].pose(positions)
-        pose = T if in_base is None else in_base @ T
+        pose = places[frame].pose(positions) @ T
         targets.append(IkTarget(chain, robot.in_base_of(chain, pose, positions)))
     return IkRequest(tuple(targets), positions, conditions, timeout)
 

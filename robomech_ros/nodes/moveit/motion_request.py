@@ -232,7 +232,8 @@ def _target(
         T = matrix_from_pose(
             Pose(orientation=one.orientation), f"{what}.orientation_constraints[0]"
         )
-        pose[:3, :3] = _in_base(places, one, T, positions)[:3, :3]
+        frame = places[one.header.frame_id].pose(positions)
+        pose[:3, :3] = (frame @ T)[:3, :3]
         most = np.array([getattr(one, f"absolute_{axis}_axis_tolerance") for axis in "xyz"])
         free[3:] = most >= math.pi
         angle = float(most.min())
@@ -243,19 +244,12 @@ def _target(
             raise BadValueError(f"{what}: target_point_offset", offset.tolist(), expected)
         region = one.constraint_region
         T = matrix_from_pose(region.primitive_poses[0], f"{what}: primitive_poses[0]")
-        pose[:3, 3] = _in_base(places, one, T, positions)[:3, 3] - pose[:3, :3] @ offset
+        frame = places[one.header.frame_id].pose(positions)
+        pose[:3, 3] = (frame @ T)[:3, 3] - pose[:3, :3] @ offset
         free[:3] = False
         near = _radius(region.primitives[0])
     in_base = robot.in_base_of(chain, pose, positions)
     return PoseTarget(chain, in_base, tuple((~free).tolist()), near, angle)
-
-
-def _in_base(
-    places: Mapping[str, FrameAttachment], constraint: Any, T: Array, positions: Positions
-) -> Array:
-    """Return a pose (4, 4) in the frame of a constraint as one in the base (m)."""
-    frame = places[constraint.header.frame_id].pose(positions)
-    return T if frame is None else frame @ T
 
 
 def _radius(shape: Any) -> float:

@@ -87,8 +87,7 @@ class MoveItServices:
             needed = dict.fromkeys(name for links in joints.values() for name in links)
             needed |= dict.fromkeys(place.joint_names)
             positions = await self._robot.with_needed(given, needed, patience)
-        in_base = place.pose(positions)
-        to_frame = np.eye(4) if in_base is None else inverse_pose(in_base)
+        to_frame = inverse_pose(place.pose(positions))
         where, turns = self._robot.model.full_frame(frame), TimeSlices(self._node)
         poses = {}
         for link in joints:

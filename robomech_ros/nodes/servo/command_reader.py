@@ -20,7 +20,7 @@ from robomech_ros.nodes.servo.settings import SPEED_UNITS, ServoNodeSettings
 from robomech_ros.servo.commands import JointCommand, PoseCommand, TwistCommand
 from robomech_ros.typing import Array
 
-Axes = Callable[[Array], Array | None]
+Axes = Callable[[Array], Array]
 
 # No robot moves faster: rad/s or m/s.
 _FASTEST = 1e3
@@ -60,9 +60,7 @@ class CommandReader:
         place = self.frames.find(message.header.frame_id)
         names = place.joint_names
         at = dict(zip(names, self.monitor.require(names), strict=True)) if names else {}
-        frame = place.pose(at)
-        if frame is not None:
-            target = frame @ target
+        target = place.pose(at) @ target
         speeds = settings.linear_scale, settings.rotational_scale
         return PoseCommand(target, *speeds, self._until(message.header))
 
@@ -169,9 +167,4 @@ class CommandReader:
             known = [self.model.frame_of(link.name) for link in chain.frames]
             why = f"joint '{beside}', which is not of the chain, moves it"
             raise FrameUnavailableError(frame, known, why)
-
-        def axes(q: Array) -> Array | None:
-            pose = place.pose_at(q[:count])
-            return None if pose is None else pose[:3, :3]
-
-        return axes
+        return lambda q: place.pose_at(q[:count])[:3, :3]
