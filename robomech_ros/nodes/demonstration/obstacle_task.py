@@ -18,18 +18,18 @@ from shape_msgs.msg import SolidPrimitive
 
 from robomech_interfaces.srv import PlanJoint
 from robomech_ros.collision import Box, Clearance, PlanningScene
+from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.kinematics import inverse_kinematics
-from robomech_ros.nodes.common.messages.message_fields import seconds_from_duration
+from robomech_ros.nodes.common.messages.joint_messages import received_trajectory
 from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, pose_from_matrix
 from robomech_ros.nodes.demonstration.client import PLAN_JOINT, DemoClient
 from robomech_ros.nodes.demonstration.obstacle_cell import PART, ObstacleCell, add_cell
-from robomech_ros.nodes.demonstration.report import Reporter
+from robomech_ros.nodes.demonstration.report import Reporter, listed_numbers
 from robomech_ros.nodes.demonstration.suite import DemoFailedError
 from robomech_ros.nodes.middleware.queue_depth import ask_action
 from robomech_ros.nodes.moveit.goal_constraints import joint_goal, pose_goal
 from robomech_ros.spatial import inverse_pose, pose_error
 from robomech_ros.trajectory import Waypoints
-from robomech_ros.typing import Array
 
 SERVICES: dict[str, Any] = {
     "get_planning_scene": GetPlanningScene,
@@ -101,7 +101,7 @@ class CarryAround:
             one = CollisionObject(id=name, primitives=[shape], pose=pose_from_matrix(pose))
             one.header.frame_id = self._scene.chain.base
             objects.append(one)
-            self._reporter.say(f"'{name}', {_size(box)}, at {_listed(pose[:3, 3])} m")
+            self._reporter.say(f"'{name}', {_size(box)}, at {listed_numbers(pose[:3, 3])} m")
         self._apply("add the objects", objects=objects)
         add_cell(self._scene, self._cell)
 
@@ -221,18 +221,9 @@ class CarryAround:
 
 
 def _waypoints(trajectory: Any) -> Waypoints:
-    points = trajectory.points
-    times = [seconds_from_duration(one.time_from_start, "time_from_start") for one in points]
-    rates = (
-        np.array([getattr(one, name) for one in points])
-        for name in ("positions", "velocities", "accelerations")
-    )
-    return Waypoints(np.array(times), *rates)
+    names, most = trajectory.joint_names, len(trajectory.points)
+    return read_waypoints(received_trajectory(trajectory), names, most, np.inf, to_rest=False)
 
 
 def _size(box: Box) -> str:
     return f"{box.x * 1e3:.0f} x {box.y * 1e3:.0f} x {box.z * 1e3:.0f} mm"
-
-
-def _listed(values: Array) -> str:
-    return " ".join(f"{value:.3f}" for value in values)

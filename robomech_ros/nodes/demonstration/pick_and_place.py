@@ -15,7 +15,7 @@ from robomech_ros.nodes.common.messages.message_fields import seconds_from_durat
 from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, stamped_pose
 from robomech_ros.nodes.demonstration.client import DemoClient
 from robomech_ros.nodes.demonstration.postures import pick_and_place
-from robomech_ros.nodes.demonstration.report import Leg, Reporter, TipPath
+from robomech_ros.nodes.demonstration.report import Leg, Reporter, TipPath, listed_numbers
 from robomech_ros.nodes.demonstration.suite import DemoFailedError
 from robomech_ros.robots import PRISMATIC, SerialChain
 from robomech_ros.robots.semantic import HOME
@@ -133,7 +133,7 @@ class PickAndPlace:
         """Check that the robot begins where the named posture home is."""
         home = self._robot.model.home()
         self._client.wait_until_at(home, self._joints_arrived, _GRACE_SECONDS)
-        self._reporter.say(f"stands at {HOME}: {_listed(home)} rad or m")
+        self._reporter.say(f"stands at {HOME}: {listed_numbers(home)} rad or m")
 
     def go_home(self) -> None:
         """Move to the named posture home, which the planner is told by its name alone."""
@@ -143,7 +143,7 @@ class PickAndPlace:
         self._move(HOME, "RUCKIG", JointState(name=[HOME]), home, self._robot.pose(home))
 
     def _leg(self, name: str, profile: str, T: Array) -> None:
-        self._reporter.heading(f"{name} at x y z = {_listed(T[:3, 3])} m")
+        self._reporter.heading(f"{name} at x y z = {listed_numbers(T[:3, 3])} m")
         goal = self._solve(name, T)
         self.marks.append((self._client.now(), f"{name} ({profile})"))
         self._move(name, profile, goal, goal, T)
@@ -152,7 +152,7 @@ class PickAndPlace:
         """Move the tip along a path, to where it ends."""
         T = path.waypoints[-1]
         count = len(path.waypoints)
-        self._reporter.heading(f"{path.name} through {count} poses to {_listed(T[:3, 3])} m")
+        self._reporter.heading(f"{path.name} through {count} poses to {listed_numbers(T[:3, 3])} m")
         goal = self._solve(path.name, T)
         self.marks.append((self._client.now(), f"{path.name} (TIME_OPTIMAL)"))
         request = PlanCartesian.Request(
@@ -240,7 +240,3 @@ class PickAndPlace:
         if max(leg.position_error, leg.orientation_error) > self._arrived:
             raise DemoFailedError(f"{text}; the robot did not arrive")
         self._reporter.say(text)
-
-
-def _listed(values: Array) -> str:
-    return " ".join(f"{value:.3f}" for value in values)

@@ -25,6 +25,11 @@ _PIPE_WIDTH = 150
 _TABLE_WIDTH = 130
 
 
+def listed_numbers(values: Array) -> str:
+    """Return numbers with three decimals, separated by spaces."""
+    return " ".join(f"{value:.3f}" for value in values)
+
+
 def _joints(q: Array) -> str:
     return " ".join(f"{value:+.3f}" for value in q)
 

@@ -17,15 +17,15 @@ from robomech_ros.nodes.common.messages.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.messages.message_fields import check_waypoints, finite_number
 from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
 from robomech_ros.nodes.frames.robot_frames import Positions, RobotFrames
-from robomech_ros.nodes.trajectory_planner.plan_messages import encode_waypoints, named
+from robomech_ros.nodes.trajectory_planner.plan_messages import (
+    PROFILE_NAMES,
+    encode_waypoints,
+    named,
+)
 from robomech_ros.nodes.trajectory_planner.settings import PlannerSettings
 from robomech_ros.trajectory import PosePath, TipSpeeds
 from robomech_ros.typing import Array
 
-_PROFILES = {
-    getattr(PlanCartesian.Request, name): name
-    for name in ("POLY345", "POLY4567", "CYCLOIDAL", "CUBIC_SPLINE", "RUCKIG", "TIME_OPTIMAL")
-}
 _KINDS = {getattr(PlanCartesian.Request, name): name for name in ("STRAIGHT", "SPLINE", "ARC")}
 # Slower motions would take years; finer steps would fill the memory.
 _LEAST = {"max_linear_speed": 1e-6, "max_angular_speed": 1e-6, "max_step": 1e-5}
@@ -61,7 +61,7 @@ def read_path_request(request: Any, settings: PlannerSettings) -> PathRequest:
     none.
     """
     options = {
-        "profile": named("profile", request.profile, _PROFILES),
+        "profile": named("profile", request.profile, PROFILE_NAMES),
         "speeds": TipSpeeds(*(_positive(request, name) or math.inf for name in _MOST)),
         "task_mask": [bool(held) for held in request.task_mask],
         "bounds": _path_bounds(request, settings),
@@ -87,9 +87,8 @@ async def in_base(
     for k, waypoint in enumerate(request.waypoints):
         frame, stamp = waypoint.header.frame_id, waypoint.header.stamp
         pose = await frames.in_base(frame, patience, stamp, at)
-        if pose is not None:
-            poses[k] = pose @ poses[k]
-            _check_near(k, poses[k])
+        poses[k] = pose @ poses[k]
+        _check_near(k, poses[k])
     return replace(asked, waypoints=poses)
 
 

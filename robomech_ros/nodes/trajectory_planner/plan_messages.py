@@ -26,12 +26,13 @@ from robomech_ros.trajectory.plans.point_to_point import both_within
 from robomech_ros.trajectory.plans.via_polynomials import MOST_VIAS
 from robomech_ros.typing import Array
 
-_NAMES = {
+# The profiles by their numbers, which are the same in both services.
+PROFILE_NAMES = {
     getattr(PlanJoint.Request, name): name
     for name in ("POLY345", "POLY4567", "CYCLOIDAL", "CUBIC_SPLINE", "RUCKIG", "TIME_OPTIMAL")
 }
 # The profiles a request may ask for, with their numbers, in words.
-OFFERED = ", ".join(f"{name} ({number})" for number, name in _NAMES.items())
+OFFERED = ", ".join(f"{name} ({number})" for number, name in PROFILE_NAMES.items())
 # The profiles that pass a few points, and any number.
 _MOST_VIAS = {"poly345": MOST_VIAS, "poly4567": MOST_VIAS}
 _ANY_VIAS = [name for name in VIA_PROFILES if name not in _MOST_VIAS]
@@ -72,15 +73,16 @@ def named(what: str, number: int, names: Mapping[int, str]) -> str:
 
 def _plan_options(request: Any, max_duration: float) -> dict[str, Any]:
     """Read what a PlanJoint request wants as keywords of `through_points`; zeros are defaults."""
-    options: dict[str, Any] = {"profile": named("profile", request.profile, _NAMES)}
-    if request.via and options["profile"] not in VIA_PROFILES:
+    options: dict[str, Any] = {"profile": named("profile", request.profile, PROFILE_NAMES)}
+    profile, count = PROFILE_NAMES[request.profile], len(request.via)
+    if count and options["profile"] not in VIA_PROFILES:
         able = ", ".join(name.upper() for name in VIA_PROFILES)
-        expected = f"none for {_NAMES[request.profile]}; {able} take some"
-        raise BadValueError("via", counted(len(request.via), "point"), expected)
-    if len(request.via) > _MOST_VIAS.get(options["profile"], len(request.via)):
-        able = ", ".join(_NAMES[k] for k in _NAMES if _NAMES[k].lower() in _ANY_VIAS)
-        expected = f"at most {MOST_VIAS} points for {_NAMES[request.profile]}; {able} take more"
-        raise BadValueError("via", counted(len(request.via), "point"), expected)
+        expected = f"none for {profile}; {able} take some"
+        raise BadValueError("via", counted(count, "point"), expected)
+    if count > _MOST_VIAS.get(options["profile"], count):
+        able = ", ".join(name for name in PROFILE_NAMES.values() if name.lower() in _ANY_VIAS)
+        expected = f"at most {MOST_VIAS} points for {profile}; {able} take more"
+        raise BadValueError("via", counted(count, "point"), expected)
     options["duration"] = seconds_from_duration(request.duration, "duration") or None
     check_duration(options["duration"] or 0.0, max_duration)
     options["at"] = _instants(request, options["profile"], options["duration"])

@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from sensor_msgs.msg import JointState
 
-from robomech_ros.errors import LimitExceededError, WrongSizeError
+from robomech_ros.errors import WrongSizeError
 from robomech_ros.errors.formatting import listed
 from robomech_ros.nodes.common.messages.error_codes import OutcomeError
 from robomech_ros.nodes.common.messages.joint_messages import positions_by_name
 from robomech_ros.outcomes import Code
 from robomech_ros.robots.semantic import HOME
+from robomech_ros.trajectory.limits import Limits
 from robomech_ros.typing import Array
 
 if TYPE_CHECKING:
@@ -67,7 +68,8 @@ class ClosedLoopPositions:
         if present is not None:
             followed = mechanism.close(drives, present)
             if followed.status != Code.NONE:
-                self._require_limits(drives, what)
+                limits = Limits.of(mechanism).only(mechanism.drive_index.tolist())
+                limits.check_goal(drives, f"{what}: position")
                 where = "on the straight way of the drives from the present posture"
                 raise OutcomeError(followed.status, f"{what}: {where}, {followed.reason}")
             return followed.q
@@ -89,18 +91,6 @@ class ClosedLoopPositions:
             f"{listed(missing)}"
         )
         raise WrongSizeError(f"{what}.name", len(state.name), expected)
-
-    def _require_limits(self, drives: Array, what: str) -> None:
-        """Raise an error if unreachable drives (m,) are also outside their limits."""
-        mechanism = self.mechanism
-        index = mechanism.drive_index
-        lower, upper = mechanism.lower[index], mechanism.upper[index]
-        excess = np.maximum(lower - drives, drives - upper)
-        j = int(np.argmax(excess))
-        if excess[j] > 0.0:
-            limit = lower[j] if drives[j] < lower[j] else upper[j]
-            name, unit = mechanism.actuated[j], mechanism.units[index[j]]
-            raise LimitExceededError(f"{what}: position", name, drives[j], limit, unit)
 
     def closed(self, q: Array, what: str) -> Array:
         """Close the loops of a posture, shape (n,), which must be nearly closed."""
