@@ -8,7 +8,7 @@ import weakref
 from collections.abc import Callable, Generator
 from typing import Any, TypeVar
 
-from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.callback_groups import CallbackGroup, ReentrantCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.task import Future
@@ -19,7 +19,6 @@ from robomech_ros.outcomes import Code
 
 _T = TypeVar("_T")
 
-_STEADY = ClockType.STEADY_TIME
 # How long a pause takes, s.
 _PAUSE = 0.02
 # How long abandoned work may go on at the end, s.
@@ -33,11 +32,8 @@ class _Pauses:
 
     def __init__(self, node: Node) -> None:
         self._over: Future = Future()
-        # By the machine's clock: simulated time may stand still.
-        clock = Clock(clock_type=_STEADY)
-        self._timer = node.create_timer(
-            _PAUSE, self._end, ReentrantCallbackGroup(), clock, autostart=False
-        )
+        group = ReentrantCallbackGroup()
+        self._timer = steady_timer(node, _PAUSE, self._end, group, autostart=False)
 
     def begin(self) -> Future:
         """Return a future that is done when the pause is over."""
@@ -63,10 +59,22 @@ async def pause(node: Node) -> None:
 
 async def ended_within(node: Node, done: Future, seconds: float) -> None:
     """Wait for a future; set its result to None after a timeout by the machine's clock."""
-    clock = Clock(clock_type=_STEADY)
-    timer = passing_timer(node, seconds, lambda: done.done() or done.set_result(None), clock)
+    group = ReentrantCallbackGroup()
+    timer = steady_timer(node, seconds, lambda: done.done() or done.set_result(None), group)
     await done
     node.destroy_timer(timer)
+
+
+def steady_timer(
+    node: Node,
+    seconds: float,
+    callback: Callable[[], object],
+    group: CallbackGroup | None = None,
+    **options: bool,
+) -> Timer:
+    """Create a timer by the machine's clock: simulated time may stand still."""
+    clock = Clock(clock_type=ClockType.STEADY_TIME)
+    return node.create_timer(seconds, callback, group, clock, **options)
 
 
 def passing_timer(

@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
+from robomech_ros.nodes.common.cooperative_wait import steady_timer
 from robomech_ros.nodes.middleware.queue_depth import serve
 
 # Period of the log of a waiting node, s.
@@ -23,12 +23,8 @@ class Readiness:
         serve(node, Trigger, "~/ready", self._answer)
         if waits_for:
             node.get_logger().info(waits_for)
-            # By the machine's time: simulated time may stand still.
-            clock = Clock(clock_type=ClockType.STEADY_TIME)
             logger = node.get_logger()
-            self._timer = node.create_timer(
-                REMINDER, lambda: logger.warning(self._waits_for), clock=clock
-            )
+            self._timer = steady_timer(node, REMINDER, lambda: logger.warning(self._waits_for))
 
     def wait_for(self, what: str) -> None:
         """Store the missing part, as a sentence that is already in the log."""

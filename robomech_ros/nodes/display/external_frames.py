@@ -6,9 +6,9 @@ from collections.abc import Collection
 from typing import Any
 
 from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
+from robomech_ros.nodes.common.cooperative_wait import steady_timer
 from robomech_ros.nodes.common.messages.error_codes import shortened
 from robomech_ros.nodes.common.messages.message_fields import NANO
 from robomech_ros.nodes.common.robot.robot_description import STATIC_FRAMES
@@ -152,7 +152,7 @@ class UnclaimedFrames:
         self._fixed = FixedFrames(node, publisher)
         self._left: frozenset[str] | None = None
         self._looks = 0
-        node.create_timer(PERIOD, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        steady_timer(node, PERIOD, self._look)
 
     def _look(self) -> None:
         self._looks += 1

@@ -4,11 +4,11 @@ import random
 from collections.abc import Mapping
 from pathlib import Path
 
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from std_msgs.msg import String
 
+from robomech_ros.nodes.common.cooperative_wait import steady_timer
 from robomech_ros.nodes.common.robot.robot_description import LATCHED, TOPIC
 from robomech_ros.nodes.common.robot.srdf_source import SEMANTIC_TOPIC
 from robomech_ros.nodes.display.external_frames import UnclaimedFrames
@@ -41,7 +41,7 @@ class DescriptionPublisher:
         self._publisher: Publisher[String] | None = None
         self._before: tuple[str, ...] = ()
         self._quiet, self._wanted = 0, _QUIET
-        node.create_timer(PERIOD, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        steady_timer(node, PERIOD, self._look)
 
     def _look(self) -> None:
         others = self._others.look()

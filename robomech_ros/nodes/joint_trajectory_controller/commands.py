@@ -2,17 +2,15 @@
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
 
 from rclpy.node import Node
-from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult
 from robomech_ros.nodes.common.messages.error_codes import code_of
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
-from robomech_ros.nodes.middleware.queue_depth import serve
+from robomech_ros.nodes.middleware.queue_depth import serve_trigger
 from robomech_ros.nodes.middleware.reliable_topics import subscribe_reliably
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.outcomes import Code, name_of
@@ -93,23 +91,19 @@ class Commands:
         self, node: Node, commanded: Sequence[CommandedJoints], on_reset: Callable[[], None]
     ) -> None:
         self._commanded, self._on_reset = commanded, on_reset
-        serve(node, Trigger, "~/hold", self._hold)
-        serve(node, Trigger, "~/reset", self._reset)
+        serve_trigger(node, "~/hold", self._hold)
+        serve_trigger(node, "~/reset", self._reset)
 
-    def _hold(self, request: Any, response: Any) -> Any:
+    def _hold(self) -> str:
         text, arm = "stopped by the service hold", self._commanded[0]
         with arm.lock:
             stopped = arm.follower.stop(End.ABORTED, Code.PREEMPTED, text)
-        response.success = True
-        response.message = "the robot slows down and holds" if stopped else "the robot holds"
-        return response
+        return "the robot slows down and holds" if stopped else "the robot holds"
 
-    def _reset(self, request: Any, response: Any) -> Any:
+    def _reset(self) -> str:
         with self._commanded[0].lock:
             for joints in self._commanded:
                 joints.advance()
                 joints.reset("ended by the service reset")
             self._on_reset()
-        response.success = True
-        response.message = "the robot is at its initial position"
-        return response
+        return "the robot is at its initial position"

@@ -4,14 +4,13 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.task import Future
 
 from robomech_ros.errors.formatting import counted
 from robomech_ros.execution.controller.follower import Phase
 from robomech_ros.execution.controller.simulated_joints import Faults
-from robomech_ros.nodes.common.cooperative_wait import wake
+from robomech_ros.nodes.common.cooperative_wait import steady_timer, wake
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError
 from robomech_ros.nodes.common.robot.floating_base import FloatingRobot
@@ -52,7 +51,6 @@ from robomech_ros.outcomes import Code
 _SHUTDOWN_TEXT = "the controller shuts down; the robot holds"
 # How long the robot may take to slow down when the node ends, s; then it holds at once.
 _LONGEST_STOP = 2.0
-_STEADY = ClockType.STEADY_TIME
 
 
 class Shutdown:
@@ -69,10 +67,7 @@ class Shutdown:
 
     async def stand(self) -> None:
         """Refuse all trajectories from now on, slow down, and hold."""
-        # By the machine's time: simulated time may stand still.
-        deadline = self._node.create_timer(
-            _LONGEST_STOP, self._halt, clock=Clock(clock_type=_STEADY)
-        )
+        deadline = steady_timer(self._node, _LONGEST_STOP, self._halt)
         standing: Future = Future()
         with self._lock:
             self._standing = standing

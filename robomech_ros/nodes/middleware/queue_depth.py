@@ -17,7 +17,9 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.service import Service
 from rclpy.task import Future
+from std_srvs.srv import Trigger
 
+from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.outcomes import Code
 
@@ -56,6 +58,26 @@ def serve(
     return node.create_service(
         kind, name, answered, qos_profile=_DEEP, callback_group=callback_group
     )
+
+
+def serve_trigger(
+    node: Node, name: str, act: Callable[[], Any], callback_group: CallbackGroup | None = None
+) -> None:
+    """Serve a Trigger by a function or a coroutine that returns the message of its success.
+
+    A RobomechError of it is the message of its failure.
+    """
+
+    async def answered(request: Any, response: Any) -> Any:
+        try:
+            said = act()
+            response.message = await said if inspect.isawaitable(said) else said
+            response.success = True
+        except RobomechError as error:
+            response.message = str(error)
+        return response
+
+    serve(node, Trigger, name, answered, callback_group=callback_group)
 
 
 def _internal(answer: Any, error: Exception) -> Any:

@@ -4,12 +4,11 @@ from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.errors.formatting import counted
-from robomech_ros.nodes.common.cooperative_wait import Worker
+from robomech_ros.nodes.common.cooperative_wait import Worker, steady_timer
 from robomech_ros.nodes.common.joints.joint_limits import robot_limits
 from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.messages.error_codes import OutcomeError
@@ -117,8 +116,7 @@ class MoveGroupNode(Node):
         # The first plan does not wait for it.
         self._worker.begin(ompl)
         self._worker.begin(settle_pages)
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._settling = self.create_timer(_SETTLED, self._settle, clock=steady)
+        self._settling = steady_timer(self, _SETTLED, self._settle)
 
     def _settle(self) -> None:
         """Release memory that only the first requests needed."""

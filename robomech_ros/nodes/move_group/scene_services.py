@@ -8,11 +8,11 @@ import numpy as np
 from moveit_msgs.msg import AttachedCollisionObject, CollisionObject, PlanningScene, RobotState
 from moveit_msgs.srv import ApplyPlanningScene, GetPlanningScene
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
-from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.common.cooperative_wait import steady_timer
 from robomech_ros.nodes.common.robot.robot_description import LATCHED
 from robomech_ros.nodes.middleware.drained_subscription import create_drained_subscription
 from robomech_ros.nodes.middleware.queue_depth import DEPTH, serve
@@ -61,9 +61,8 @@ class SceneServices:
         silent = PublisherEventCallbacks(use_default_callbacks=False)
         self._states = node.create_publisher(PlanningScene, _MONITORED, 10, event_callbacks=silent)
         self._published: list[float] = []
-        clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self._due = node.create_timer(_TOGETHER, self._publish, clock=clock)
-        node.create_timer(_STATE_PERIOD, self._publish_state, clock=clock)
+        self._due = steady_timer(node, _TOGETHER, self._publish)
+        steady_timer(node, _STATE_PERIOD, self._publish_state)
 
     async def _apply(self, request: Any, response: Any) -> Any:
         response.success = await self._take_scene(request.scene)
@@ -125,8 +124,7 @@ class SceneServices:
         places = await self._robot.places(frames, self._patience)
         joints = dict.fromkeys(name for place in places.values() for name in place.joint_names)
         positions = await self._robot.with_needed({}, joints, self._patience)
-        poses = {frame: place.pose(positions) for frame, place in places.items()}
-        return {frame: np.eye(4) if T is None else T for frame, T in poses.items()}
+        return {frame: place.pose(positions) for frame, place in places.items()}
 
     def _message(self, wanted: int = 0) -> PlanningScene:
         known = self._robot.known()

@@ -19,7 +19,6 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 import rclpy
-from rclpy.clock import Clock, ClockType
 from rclpy.context import Context
 from rclpy.exceptions import ROSInterruptException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -29,6 +28,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from robomech_ros.errors import RobomechError
+from robomech_ros.nodes.common.cooperative_wait import steady_timer
 from robomech_ros.nodes.common.parameters import table_rows
 from robomech_ros.nodes.process.entry_points import EXIT_CANNOT_START
 from robomech_ros.nodes.process.memory import bound_heaps, bound_memory, give_back_regularly
@@ -188,7 +188,7 @@ def watch_for_duplicate_nodes(nodes: Sequence[Node]) -> None:
     """Log once, soon after the start, which nodes were in this domain and namespace already."""
     if not nodes:
         return
-    clock, said, first = Clock(clock_type=ClockType.STEADY_TIME), set[str](), nodes[0]
+    said, first = set[str](), nodes[0]
     looks = iter(range(_LOOKS))
 
     def look() -> None:
@@ -209,7 +209,7 @@ def watch_for_duplicate_nodes(nodes: Sequence[Node]) -> None:
                 )
                 node.get_logger().error(text)
 
-    timer = first.create_timer(LOOK_PERIOD, look, clock=clock)
+    timer = steady_timer(first, LOOK_PERIOD, look)
 
 
 def _start_failed(program: str, error: Exception) -> int:

@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+
+from robomech_ros.nodes.common.cooperative_wait import steady_timer
 
 # How long after a node's start to look, s, and again; every so many looks it is said.
 PERIOD, EVERY = 3.0, 10
@@ -36,5 +37,4 @@ def watch_for_simulated_time(nodes: Sequence[Node]) -> None:
             )
         looks += 1
 
-    # By the machine's time, since the simulated one stands still.
-    timer = first.create_timer(PERIOD, look, clock=Clock(clock_type=ClockType.STEADY_TIME))
+    timer = steady_timer(first, PERIOD, look)

@@ -5,13 +5,13 @@ from functools import partial
 from threading import Thread
 from typing import Any
 
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from std_srvs.srv import SetBool
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.errors.formatting import counted
 from robomech_ros.kinetostatics.singularities.generic_rank import scaling_length
+from robomech_ros.nodes.common.cooperative_wait import steady_timer
 from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters
@@ -62,7 +62,7 @@ class ServoNode(Node):
                 timer.cancel()
                 self._drive(model)
 
-        timer = self.create_timer(_LOOK, look, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        timer = steady_timer(self, _LOOK, look)
 
     def _drive(self, model: RobotModel) -> None:
         settings = self._table.settings

@@ -6,11 +6,11 @@ from typing import Any
 
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
-from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
 
+from robomech_ros.nodes.common.cooperative_wait import steady_timer
 from robomech_ros.nodes.common.messages.pose_messages import fill_pose
 from robomech_ros.nodes.common.robot.robot_description import LATCHED, RobotModel
 from robomech_ros.typing import Array
@@ -40,10 +40,7 @@ class PlanPublication:
         self._trajectories = make(JointTrajectory, "~/planned_trajectory", event_callbacks=silent)
         on_match = PublisherEventCallbacks(matched=self._matched, use_default_callbacks=False)
         self._paths = make(Path, "~/planned_path", event_callbacks=on_match)
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._timer = node.create_timer(
-            _ANSWERED, self._publish_late, clock=steady, autostart=False
-        )
+        self._timer = steady_timer(node, _ANSWERED, self._publish_late, autostart=False)
         self._waiting: tuple[JointTrajectory, Callable[[], Array]] | None = None
         self._poses: list[PoseStamped] = []
         self._unsent: Callable[[], Array] | None = None

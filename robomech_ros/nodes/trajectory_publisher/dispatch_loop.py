@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from robomech_ros.execution.client.dispatcher import Dispatcher
 from robomech_ros.execution.client.execution_request import ExecutionRequest
+from robomech_ros.nodes.common.cooperative_wait import steady_timer
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.process.simulated_clock import missing_time
@@ -37,9 +37,7 @@ class DispatchLoop:
         self.dispatcher = Dispatcher(link, given, self._log_end, self._log_stall, obstruction)
         self._timer = node.create_timer(1.0 / settings.watch_rate, self._look, clock=clock.clock)
         self._timer.cancel()
-        # By the machine's time: the simulated one may never begin.
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._begin = node.create_timer(given.controller_timeout, self._require_time, clock=steady)
+        self._begin = steady_timer(node, given.controller_timeout, self._require_time)
         self._begin.cancel()
         # A timer that has not fired since it was reset would wait until its old time comes again.
         clock.on_jump(self._take_jump)

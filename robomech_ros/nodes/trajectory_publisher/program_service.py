@@ -2,11 +2,9 @@
 
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
-from std_srvs.srv import Trigger
 
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.errors.formatting import counted
@@ -15,7 +13,7 @@ from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.messages.error_codes import NoStateError
 from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError
 from robomech_ros.nodes.common.robot.robot_description import RobotModel
-from robomech_ros.nodes.middleware.queue_depth import serve
+from robomech_ros.nodes.middleware.queue_depth import serve_trigger
 from robomech_ros.nodes.trajectory_publisher.controller_client import ControllerClient
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.program import Program, read_program
@@ -46,7 +44,7 @@ class ProgramService:
         self._table, self._runner, self._loop, self._link = table, runner, loop, link
         self._worker = Worker(node)
         group = ReentrantCallbackGroup()
-        serve(node, Trigger, "~/run_program", self._run_program, callback_group=group)
+        serve_trigger(node, "~/run_program", self._start, callback_group=group)
 
     def give_up(self, reason: str) -> None:
         """Answer the requests that wait for a program to begin."""
@@ -55,14 +53,6 @@ class ProgramService:
     def destroy(self) -> None:
         """End the thread that reads programs."""
         self._worker.close()
-
-    async def _run_program(self, request: Any, response: Any) -> Any:
-        try:
-            response.message = await self._start()
-            response.success = True
-        except RobomechError as error:
-            response.message = str(error)
-        return response
 
     async def _start(self) -> str:
         """Read a program and begin it; says so."""

@@ -1,17 +1,15 @@
 """The services pause, resume, cancel and set_speed."""
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 from rclpy.node import Node
-from std_srvs.srv import Trigger
 
 from robomech_interfaces.srv import SetSpeed
 from robomech_ros.errors import BadValueError, RobomechError
 from robomech_ros.nodes.common.messages.error_codes import answer, guarded
 from robomech_ros.nodes.common.messages.message_fields import duration_from_seconds, finite_number
-from robomech_ros.nodes.middleware.queue_depth import serve
+from robomech_ros.nodes.middleware.queue_depth import serve, serve_trigger
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 
 CANCELLED = "cancelled by the service cancel"
@@ -43,26 +41,26 @@ class SpeedServices:
             ("resume", self._resume),
             ("cancel", self._cancel),
         ):
-            serve(node, Trigger, f"~/{name}", partial(_said, act))
+            serve_trigger(node, f"~/{name}", act)
         serve(node, SetSpeed, "~/set_speed", self._set_speed)
 
-    def _pause(self) -> tuple[bool, str]:
+    def _pause(self) -> str:
         if self._dispatcher.paused:
-            return True, "paused already"
+            return "paused already"
         self._dispatcher.pause(self._loop.clock.now())
         moves = self._dispatcher.current is not None
         what = "the robot stops on its path" if moves else "nothing is under way"
-        return True, f"{what}; what comes waits for resume"
+        return f"{what}; what comes waits for resume"
 
-    def _resume(self) -> tuple[bool, str]:
+    def _resume(self) -> str:
         if not self._dispatcher.paused:
-            return False, "nothing to resume: not paused"
+            raise RobomechError("nothing to resume: not paused")
         self._dispatcher.resume(self._loop.clock.now())
         self._loop.watch()
         moves = self._dispatcher.current is not None
-        return True, "the robot moves on" if moves else "nothing was waiting"
+        return "the robot moves on" if moves else "nothing was waiting"
 
-    def _cancel(self) -> tuple[bool, str]:
+    def _cancel(self) -> str:
         ran = self._cancel_program(f"program {CANCELLED}")
         count = self._give_up_requests()
         count += self._dispatcher.cancel(CANCELLED, self._loop.clock.now())
@@ -70,7 +68,7 @@ class SpeedServices:
         what = f"trajectories dropped: {count}; the robot stops on its path"
         if not count:
             what = "the program is dropped" if ran else "nothing was under way or waiting"
-        return True, what
+        return what
 
     @guarded
     def _set_speed(self, request: Any, response: Any) -> Any:
@@ -84,12 +82,3 @@ class SpeedServices:
             left = max(current.sent_at + current.lasts - now, 0.0)
             response.remaining = duration_from_seconds(left)
         return answer(response)
-
-
-def _said(act: Callable[[], tuple[bool, str]], request: Any, response: Any) -> Any:
-    """Answer a Trigger with what an act gives, or with the text of its error."""
-    try:
-        response.success, response.message = act()
-    except RobomechError as error:
-        response.message = str(error)
-    return response
