@@ -17,9 +17,10 @@ from robomech_ros.nodes.commands.service_client import (
     command_node,
     latched_message,
 )
-from robomech_ros.nodes.common.messages.gripper_goals import gripper_goal, gripper_outcome
 from robomech_ros.nodes.common.robot.gripper_names import (
     GripperNames,
+    gripper_goal,
+    gripper_outcome,
     known_finger_joints,
     known_gripper,
 )

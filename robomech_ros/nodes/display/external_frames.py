@@ -13,11 +13,13 @@ from robomech_ros.nodes.common.messages.error_codes import shortened
 from robomech_ros.nodes.common.messages.message_fields import NANO
 from robomech_ros.nodes.common.robot.robot_description import STATIC_FRAMES
 from robomech_ros.nodes.display.frame_publisher import FramePublisher
-from robomech_ros.nodes.display.other_publishers import PERIOD, OtherPublishers
 from robomech_ros.nodes.middleware.polled_subscription import Inbox, UnreadableMessageError, unpack
+from robomech_ros.nodes.middleware.reliable_topics import node_of
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.robots.entry_checks import bare_link
 
+# How often the graph is looked at, s.
+PERIOD = 0.5
 # Others that are silent for so long publish no more, s.  Up to the second number is added by
 # chance, so that of two nodes that yield to each other one is back first.
 SILENCE, BY_CHANCE = 3.0, 1.0
@@ -30,6 +32,36 @@ _MAX_AWAITED = 500
 # needs joint_states before it says anything.
 FIRST, FIRST_BESIDE_OTHERS = 2, 4
 _MOST_NAMES = 5
+
+
+class OtherPublishers:
+    """Finds the publishers of a topic that are not a node's own.
+
+    - ``node``: the node whose own publishers do not count.  Another node of the same name counts:
+      only as many publishers as this node has are left out.
+    - ``topic``: full name of the topic.
+    """
+
+    def __init__(self, node: Node, topic: str) -> None:
+        self._node, self._topic = node, topic
+        self._known: set[bytes] = set()
+        #: Full name of the node of each other publisher at the last look.
+        self.nodes: tuple[str, ...] = ()
+        #: Whether a publisher disappeared between the last two looks.
+        self.one_left = False
+
+    def look(self) -> tuple[str, ...]:
+        """Find the present publishers, and return their nodes."""
+        found = self._node.get_publishers_info_by_topic(self._topic)
+        present = {bytes(info.endpoint_gid) for info in found}
+        self.one_left = bool(self._known - present)
+        self._known = present
+        nodes, name = sorted(map(node_of, found)), self._node.get_fully_qualified_name()
+        own = sum(one.topic_name == self._topic for one in self._node.publishers)
+        for _ in range(min(own, nodes.count(name))):
+            nodes.remove(name)
+        self.nodes = tuple(nodes)
+        return self.nodes
 
 
 class MovingFrames:

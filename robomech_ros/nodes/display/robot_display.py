@@ -11,9 +11,8 @@ from std_msgs.msg import String
 from robomech_ros.nodes.common.cooperative_wait import steady_timer
 from robomech_ros.nodes.common.robot.robot_description import LATCHED, TOPIC
 from robomech_ros.nodes.common.robot.srdf_source import SEMANTIC_TOPIC
-from robomech_ros.nodes.display.external_frames import UnclaimedFrames
+from robomech_ros.nodes.display.external_frames import PERIOD, OtherPublishers, UnclaimedFrames
 from robomech_ros.nodes.display.frame_publisher import FramePublisher
-from robomech_ros.nodes.display.other_publishers import PERIOD, OtherPublishers
 from robomech_ros.robots import RobotDescription, load_description, urdf_from_description
 from robomech_ros.robots.urdf.mesh_urls import with_mesh_urls
 

@@ -20,6 +20,7 @@ from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.nodes.common.messages.error_codes import OutcomeError, code_of
 from robomech_ros.nodes.common.messages.joint_messages import received_trajectory
+from robomech_ros.nodes.common.messages.message_fields import NANO
 from robomech_ros.nodes.common.messages.rejection_status import Refusal, trajectory_label
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.joint_trajectory_controller.constraints import default_tolerances
@@ -34,7 +35,6 @@ from robomech_ros.trajectory.limits import Limits
 from robomech_ros.trajectory.waypoints import Waypoints
 from robomech_ros.typing import Array
 
-_NANO = 1_000_000_000
 # Joints that forces move may overshoot their limits: of position by so much (rad or m), and of
 # velocity by this part.
 _OVERSHOOT, _OVERSPEED = 0.02, 0.2
@@ -189,7 +189,7 @@ class CommandedJoints:
 
     def stamp(self) -> tuple[int, int]:
         """Return the ROS time (s and ns) of the follower's states, which may be some time ago."""
-        return divmod(max(self._clock.stamp(self.follower.now), 0), _NANO)
+        return divmod(max(self._clock.stamp(self.follower.now), 0), NANO)
 
     def execute(
         self,

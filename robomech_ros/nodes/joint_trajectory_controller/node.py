@@ -25,8 +25,11 @@ from robomech_ros.nodes.joint_trajectory_controller.constraints import (
     constraint_rows,
     default_tolerances,
 )
-from robomech_ros.nodes.joint_trajectory_controller.control_cycle import ControlCycle, serve_control
-from robomech_ros.nodes.joint_trajectory_controller.cycles import Cycles
+from robomech_ros.nodes.joint_trajectory_controller.control_cycle import (
+    ControlCycle,
+    Cycles,
+    serve_control,
+)
 from robomech_ros.nodes.joint_trajectory_controller.diagnostics import (
     gripper_condition,
     robot_condition,
@@ -34,7 +37,6 @@ from robomech_ros.nodes.joint_trajectory_controller.diagnostics import (
 from robomech_ros.nodes.joint_trajectory_controller.goal_server import ExecuteMessages, GoalServer
 from robomech_ros.nodes.joint_trajectory_controller.gripper.gripper import Gripper, gripper_of
 from robomech_ros.nodes.joint_trajectory_controller.gripper.interfaces import serve_gripper
-from robomech_ros.nodes.joint_trajectory_controller.reported_efforts import ReportedEfforts
 from robomech_ros.nodes.joint_trajectory_controller.robot import (
     SimulatedRobot,
     legged_robot,
@@ -45,6 +47,7 @@ from robomech_ros.nodes.joint_trajectory_controller.settings import (
     check_simulation,
     faults_of,
 )
+from robomech_ros.nodes.joint_trajectory_controller.state_publisher import ReportedEfforts
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.outcomes import Code
 

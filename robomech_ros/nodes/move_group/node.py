@@ -17,7 +17,7 @@ from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.common.robot.robot_source import when_robot_known
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.move_group.settings import MoveGroupSettings
-from robomech_ros.nodes.process.resident_pages import settle_pages
+from robomech_ros.nodes.process.memory import settle_pages
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.outcomes import Code
 

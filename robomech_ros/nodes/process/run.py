@@ -31,8 +31,12 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.cooperative_wait import steady_timer
 from robomech_ros.nodes.common.parameters import table_rows
 from robomech_ros.nodes.process.entry_points import EXIT_CANNOT_START
-from robomech_ros.nodes.process.memory import bound_heaps, bound_memory, give_back_regularly
-from robomech_ros.nodes.process.resident_pages import settle_pages
+from robomech_ros.nodes.process.memory import (
+    bound_heaps,
+    bound_memory,
+    give_back_regularly,
+    settle_pages,
+)
 from robomech_ros.nodes.process.simulated_clock import watch_for_simulated_time
 
 EXIT_FAILED = 1

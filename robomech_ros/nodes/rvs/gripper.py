@@ -8,8 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.node import Node
 
-from robomech_ros.nodes.common.messages.gripper_goals import gripper_goal, gripper_outcome
-from robomech_ros.nodes.common.robot.gripper_names import known_gripper
+from robomech_ros.nodes.common.robot.gripper_names import (
+    gripper_goal,
+    gripper_outcome,
+    known_gripper,
+)
 from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.middleware.queue_depth import ask_action
 from robomech_ros.nodes.rvs.settings import RvsSettings

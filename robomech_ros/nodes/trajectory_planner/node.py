@@ -28,7 +28,7 @@ from robomech_ros.nodes.common.robot.robot_source import when_robot_known
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.move_group.monitored_scene import MonitoredScene
-from robomech_ros.nodes.process.resident_pages import settle_pages
+from robomech_ros.nodes.process.memory import settle_pages
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.nodes.trajectory_planner.cartesian_messages import (
     encode_path_plan,

@@ -11,11 +11,9 @@ from robomech_ros.errors import UnknownJointError, WrongSizeError
 from robomech_ros.execution.client.execution_request import ExecutionRequest, Transport
 from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.nodes.common.messages.joint_messages import received_trajectory
-from robomech_ros.nodes.common.messages.message_fields import duration_from_seconds, floats
+from robomech_ros.nodes.common.messages.message_fields import NANO, duration_from_seconds, floats
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.typing import Array
-
-_NANO = 1_000_000_000
 
 
 @dataclass
@@ -75,7 +73,7 @@ def _stamp(now: int, delay: float) -> Time:
     """Return the stamp `delay` (s) from now; 0, which means at once, where there is none."""
     if delay <= 0.0:
         return Time()
-    seconds, nanoseconds = divmod(now + round(delay * _NANO), _NANO)
+    seconds, nanoseconds = divmod(now + round(delay * NANO), NANO)
     return Time(sec=seconds, nanosec=nanoseconds)
 
 

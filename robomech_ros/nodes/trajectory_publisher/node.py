@@ -17,8 +17,10 @@ from robomech_ros.nodes.common.status_report import NodeHealth, StatusReport
 from robomech_ros.nodes.middleware.liveliness import LivelinessMonitor
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.nodes.trajectory_publisher.action_transport import ActionTransport
-from robomech_ros.nodes.trajectory_publisher.controller_client import ControllerClient
-from robomech_ros.nodes.trajectory_publisher.controller_refusals import ControllerRefusals
+from robomech_ros.nodes.trajectory_publisher.controller_client import (
+    ControllerClient,
+    ControllerRefusals,
+)
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.execute_service import ExecuteService
 from robomech_ros.nodes.trajectory_publisher.messages import ExecutionReader

@@ -10,7 +10,7 @@ import re
 from pathlib import Path
 import llvmlite.binding as llvm
 import numpy as np
-from robomech_ros.nodes.process.resident_pages import settle_pages
+from robomech_ros.nodes.process.memory import settle_pages
 
 def resident(kind):
     status = Path("/proc/self/status").read_text()
@@ -32,7 +32,7 @@ HEAP = r"""
 import ctypes, mmap, re
 from pathlib import Path
 import numpy as np
-from robomech_ros.nodes.process import resident_pages
+from robomech_ros.nodes.process import memory
 
 def huge():
     smaps = Path("/proc/self/smaps").read_text()

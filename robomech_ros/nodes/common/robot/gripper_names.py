@@ -1,6 +1,7 @@
-"""Joints and controller of a gripper, from the parameters of a node."""
+"""Joints and controller of a gripper, from the parameters of a node, and its goals."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from robomech_ros.errors import RobomechError, UnknownJointError
 from robomech_ros.nodes.common.parameters import ParameterError, parameter
@@ -64,3 +65,28 @@ def known_gripper(model: RobotModel, settings: GripperNames) -> GripperModel | N
     except RobomechError as error:
         value = settings.gripper_finger_links
         raise ParameterError("gripper_finger_links", value, str(error)) from None
+
+
+def gripper_goal(gripper: GripperModel, value: float) -> Any:
+    """Make the GripperCommand goal of a width (m) or position; BadValueError outside the range."""
+    from control_msgs.action import GripperCommand
+
+    goal = GripperCommand.Goal()
+    goal.command.position = gripper.position(value)
+    return goal
+
+
+def gripper_outcome(gripper: GripperModel, result: Any) -> tuple[str, bool]:
+    """Describe the position of a gripper after a command, and whether it is the goal.
+
+    - ``result``: GripperCommand.Result.
+    """
+    value = gripper.value({gripper.joints[0].name: result.position})
+    wide = " wide" if gripper.opening is not None else ""
+    # Rounding of a closed gripper is no width.
+    at = f"{round(value, 6) + 0.0:.4g} {gripper.unit}{wide}"
+    if result.reached_goal:
+        return at, True
+    if result.stalled:
+        return f"stopped by something at {at}", False
+    return f"the motion ended early, at {at}", False

@@ -34,12 +34,10 @@ def serve_gripper(
         from control_msgs import action
 
         from robomech_ros.nodes.joint_trajectory_controller.follow_messages import FollowMessages
-        from robomech_ros.nodes.joint_trajectory_controller.gripper.command_messages import (
-            GripperMessages,
-            ParallelGripperMessages,
-        )
         from robomech_ros.nodes.joint_trajectory_controller.gripper.command_server import (
             CommandServer,
+            GripperMessages,
+            ParallelGripperMessages,
         )
     except ImportError as error:
         if getattr(error, "name", "") != "control_msgs":

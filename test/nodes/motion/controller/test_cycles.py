@@ -11,8 +11,8 @@ from drivers import ended
 from rclpy.node import Node
 
 from robomech_ros.nodes.common.motion_clock import MotionClock
-from robomech_ros.nodes.joint_trajectory_controller import cycles
-from robomech_ros.nodes.joint_trajectory_controller.cycles import Cycles
+from robomech_ros.nodes.joint_trajectory_controller import control_cycle
+from robomech_ros.nodes.joint_trajectory_controller.control_cycle import Cycles
 
 RATE = 50.0
 MOVE = np.array([0.2, -0.1, 0.15, 0.0, 0.1, -0.1])
@@ -62,9 +62,9 @@ class Moments:
                 outer.now += max(round(timeout * 1e9), 0) + outer.late
                 return self.is_set()
 
-        monkeypatch.setattr(cycles, "time", SimpleNamespace(monotonic_ns=lambda: self.now))
+        monkeypatch.setattr(control_cycle, "time", SimpleNamespace(monotonic_ns=lambda: self.now))
         known = SimpleNamespace(**{**vars(threading), "Event": Event})
-        monkeypatch.setattr(cycles, "threading", known)
+        monkeypatch.setattr(control_cycle, "threading", known)
 
 
 def test_cycles_need_no_executor_and_keep_to_their_grid(node, monkeypatch):

@@ -19,7 +19,7 @@ from robomech_ros.nodes.common.messages.rejection_status import (
     refusal_values,
     trajectory_label,
 )
-from robomech_ros.nodes.trajectory_publisher.controller_refusals import ControllerRefusals
+from robomech_ros.nodes.trajectory_publisher.controller_client import ControllerRefusals
 from robomech_ros.nodes.trajectory_publisher.node import TrajectoryPublisherNode
 
 MOVE = np.array([0.05, -0.05, 0.05, 0.0, 0.05, -0.05])
