@@ -34,15 +34,15 @@ from robomech_ros.nodes.calibration.settings import (
     CalibrationSettings,
     check_settings,
 )
-from robomech_ros.nodes.common.messages.error_codes import answer, guarded
+from robomech_ros.nodes.common.messages.error_codes import answer
 from robomech_ros.nodes.common.messages.message_fields import seconds_from_duration
 from robomech_ros.nodes.common.messages.pose_messages import stamped_pose
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.readiness import Readiness
 from robomech_ros.nodes.common.robot.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.common.robot.robot_source import when_robot_known
+from robomech_ros.nodes.common.services import serve
 from robomech_ros.nodes.frames.listener import FrameListener
-from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.process.run import run_node
 
 _MOUNTS = {
@@ -116,7 +116,6 @@ class CalibrationNode(Node):
         target = self._table.settings.tracking_marker_frame.removeprefix("/")
         return Frames(self._base, self._hand, self._tracking.parent, target)
 
-    @guarded
     async def _take_sample(self, request: Any, response: Any) -> Any:
         settings = self._table.settings
         patience = seconds_from_duration(request.timeout, "timeout") or settings.sample_timeout
@@ -138,7 +137,6 @@ class CalibrationNode(Node):
         response.count = len(self._samples)
         return answer(response)
 
-    @guarded
     def _add_samples(self, request: Any, response: Any) -> Any:
         most, sensor = self._table.settings.max_samples, self._tracking.parent
         robot = poses_from_array(request.robot, self._base, "robot", most)
@@ -146,7 +144,6 @@ class CalibrationNode(Node):
         response.first_index = self._samples.add(robot, tracking, most)
         return self._changed(response)
 
-    @guarded
     def _remove_sample(self, request: Any, response: Any) -> Any:
         if request.index == RemoveSample.Request.ALL:
             self._samples.clear()
@@ -156,12 +153,10 @@ class CalibrationNode(Node):
             self._samples.remove(request.index)
         return self._changed(response)
 
-    @guarded
     def _list_samples(self, request: Any, response: Any) -> Any:
         fill_list(self._samples, self._base, self._tracking.parent, response)
         return answer(response)
 
-    @guarded
     def _solve(self, request: Any, response: Any) -> Any:
         samples, most = self._samples, self._table.settings.max_samples
         candidates = poses_from_array(request.candidates, self._base, "candidates", most)
@@ -196,7 +191,6 @@ class CalibrationNode(Node):
             raise BadValueError("mount", number, expected)
         return _MOUNTS[number]
 
-    @guarded
     def _save(self, request: Any, response: Any) -> Any:
         settings, solution = self._table.settings, self._samples.solution
         if solution is None:

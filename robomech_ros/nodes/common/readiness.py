@@ -6,7 +6,7 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from robomech_ros.nodes.common.cooperative_wait import steady_timer
-from robomech_ros.nodes.middleware.queue_depth import serve
+from robomech_ros.nodes.common.services import serve
 
 # Period of the log of a waiting node, s.
 REMINDER = 10.0

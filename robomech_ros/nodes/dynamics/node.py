@@ -22,13 +22,14 @@ from robomech_ros.errors.formatting import counted
 from robomech_ros.execution.received_trajectory import read_waypoints
 from robomech_ros.nodes.common.joints.joint_positions import JointPositions
 from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.messages.error_codes import answer, guarded
+from robomech_ros.nodes.common.messages.error_codes import answer
 from robomech_ros.nodes.common.messages.joint_messages import received_trajectory
 from robomech_ros.nodes.common.messages.message_fields import floats
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.robot.floating_base import FloatingRobot
 from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.common.robot.robot_source import when_robot_known
+from robomech_ros.nodes.common.services import serve
 from robomech_ros.nodes.dynamics.drives import Drives
 from robomech_ros.nodes.dynamics.messages import (
     encode_summary,
@@ -42,7 +43,6 @@ from robomech_ros.nodes.dynamics.messages import (
 )
 from robomech_ros.nodes.dynamics.settings import DynamicsSettings, check_settings
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
-from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.trajectory.curves.compiled_sampling import sample_many
 from robomech_ros.typing import Array
@@ -90,7 +90,6 @@ class DynamicsNode(Node):
             f"{counted(len(system.joint_names), 'joint')}, moving mass {system.mass:.4g} kg"
         )
 
-    @guarded
     async def _inverse_dynamics(self, request: Any, response: Any) -> Any:
         system = self._on_base(self._loaded)
         count, most = len(request.points), self._table.settings.max_batch_size
@@ -103,7 +102,6 @@ class DynamicsNode(Node):
             setattr(response, field, floats(states.in_request_order(rows)))
         return answer(response)
 
-    @guarded
     async def _forward_dynamics(self, request: Any, response: Any) -> Any:
         system = self._on_base(self._loaded)
         q = await self._positions(without_rates(request.state))
@@ -117,14 +115,12 @@ class DynamicsNode(Node):
         response.joint_names = list(system.drive_names)
         return answer(response)
 
-    @guarded
     async def _mass_matrix(self, request: Any, response: Any) -> Any:
         system, q = self._on_base(self._loaded), await self._positions(request.state)
         response.mass_matrix = floats(system.mass_matrix(q))
         response.joint_names = list(system.drive_names)
         return answer(response)
 
-    @guarded
     def _set_payload(self, request: Any, response: Any) -> Any:
         chain, given = self._model.chain, request.payload
         load = payload_body(given.inertia, self._model.link_of(given.header.frame_id), chain)
@@ -133,7 +129,6 @@ class DynamicsNode(Node):
         self._loaded = loaded
         return answer(response)
 
-    @guarded
     async def _summarize_torques(self, request: Any, response: Any) -> Any:
         system = self._on_base(self._loaded)
         drives, settings = self._drives, self._table.settings

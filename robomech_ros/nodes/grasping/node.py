@@ -26,11 +26,12 @@ from robomech_ros.hands.postures import MOST_POSTURES
 from robomech_ros.hands.quality import SHORTEST
 from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.joints.joint_positions import is_empty
-from robomech_ros.nodes.common.messages.error_codes import OutcomeError, guarded
+from robomech_ros.nodes.common.messages.error_codes import OutcomeError
 from robomech_ros.nodes.common.messages.joint_messages import positions_by_name
 from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.readiness import Readiness
+from robomech_ros.nodes.common.services import serve
 from robomech_ros.nodes.grasping.answers import analysed, fill_efforts, fill_forces, fill_postures
 from robomech_ros.nodes.grasping.requests import (
     GivenHand,
@@ -40,7 +41,6 @@ from robomech_ros.nodes.grasping.requests import (
     read_points,
 )
 from robomech_ros.nodes.grasping.settings import GraspingSettings, check_settings
-from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.outcomes import Code
 
@@ -85,7 +85,6 @@ class GraspingNode(Node):
             worker.close()
         super().destroy_node()
 
-    @guarded
     async def _analyze_grasp(self, request: Any, response: Any) -> Any:
         contacts = read_contacts(request)
         origin = read_origin(request)
@@ -103,7 +102,6 @@ class GraspingNode(Node):
         found = await self._analyses.do(work, self._table.settings.max_queue_time)
         return found.fill(self._hand.frame(request.frame_id), response)
 
-    @guarded
     async def _contact_forces(self, request: Any, response: Any) -> Any:
         contacts = read_contacts(request)
         if request.smallest >= len(SMALLEST):
@@ -118,7 +116,6 @@ class GraspingNode(Node):
             fill_efforts(made_by, contacts, found.components, response)
         return fill_forces(found, load, self._hand.frame(request.frame_id), response)
 
-    @guarded
     def _solve_grasp(self, request: Any, response: Any) -> Any:
         hand = self._hand.required()
         self._hand.require_palm(request.object_pose.header.frame_id)

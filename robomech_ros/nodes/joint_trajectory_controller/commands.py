@@ -9,8 +9,8 @@ from trajectory_msgs.msg import JointTrajectory
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.controller.trajectory_goal import End, GoalResult
 from robomech_ros.nodes.common.messages.error_codes import code_of
+from robomech_ros.nodes.common.services import serve_trigger
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
-from robomech_ros.nodes.middleware.queue_depth import serve_trigger
 from robomech_ros.nodes.middleware.reliable_topics import subscribe_reliably
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.outcomes import Code, name_of

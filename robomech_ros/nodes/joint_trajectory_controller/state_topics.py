@@ -13,9 +13,9 @@ from robomech_ros.execution.joints import State
 from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.nodes.common.messages.message_fields import duration_from_seconds, floats
 from robomech_ros.nodes.common.motion_clock import MotionClock
+from robomech_ros.nodes.common.services import serve
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.messages import point_from_state
-from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 
 _DEPTH = 10

@@ -24,7 +24,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.cooperative_wait import TimeSlices, Worker
 from robomech_ros.nodes.common.joints.joint_positions import JointPositions, Linkage
 from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.messages.error_codes import OutcomeError, answer, guarded
+from robomech_ros.nodes.common.messages.error_codes import OutcomeError, answer
 from robomech_ros.nodes.common.messages.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.messages.message_fields import floats
 from robomech_ros.nodes.common.messages.pose_messages import (
@@ -38,6 +38,7 @@ from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.robot.floating_base import FloatingRobot
 from robomech_ros.nodes.common.robot.robot_description import LATCHED, RobotModel
 from robomech_ros.nodes.common.robot.robot_source import when_robot_known
+from robomech_ros.nodes.common.services import serve
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.kinematics.chain_manipulator import ChainManipulator
 from robomech_ros.nodes.kinematics.markers import MarkerPublisher, posture_markers
@@ -52,7 +53,6 @@ from robomech_ros.nodes.kinematics.messages import (
 )
 from robomech_ros.nodes.kinematics.pose_batches import Manipulator, WorkspaceQuery, solve_in_turns
 from robomech_ros.nodes.kinematics.settings import KinematicsSettings
-from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.move_group.monitored_scene import MonitoredScene
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.outcomes import Code
@@ -116,7 +116,6 @@ class KinematicsNode(Node):
 
         return PlatformManipulator(self._model, self._joints, self._worker)
 
-    @guarded
     async def _solve_fk(self, request: Any, response: Any) -> Any:
         ways = [self._model.chain_to(link) for link in request.links or [""]]
         self._check_size("states times links", max(len(request.states), 1) * len(ways))
@@ -130,7 +129,6 @@ class KinematicsNode(Node):
                 await turns.end_if_over()
         return answer(response, Code.NONE, text)
 
-    @guarded
     async def _solve_ik(self, request: Any, response: Any) -> Any:
         way: Any = self._robot.linkage_to(request.tip_link)
         T = matrix_from_pose(request.target.pose, "target")
@@ -152,7 +150,6 @@ class KinematicsNode(Node):
         encode_result(result, way.joint_names, self._points, seconds, response)
         return self._scene.add_note(scene, response)
 
-    @guarded
     async def _solve_ik_batch(self, request: Any, response: Any) -> Any:
         way, allowed = self._robot.linkage_to(""), self._table.settings.batch_timeout
         T = matrices_from_pose_rows(request.poses)
@@ -174,7 +171,6 @@ class KinematicsNode(Node):
             expected = f"at most {counted(largest, 'pose')}, the parameter max_batch_size"
             raise WrongSizeError(what, poses, expected)
 
-    @guarded
     async def _get_jacobian(self, request: Any, response: Any) -> Any:
         carrier, way = self._robot.carrier(request.tip_link)
         asked = await self._posture_asked(way, request)
@@ -183,7 +179,6 @@ class KinematicsNode(Node):
         response.joint_names = list(names)
         return answer(response)
 
-    @guarded
     async def _analyze_singularity(self, request: Any, response: Any) -> Any:
         way: Any = self._robot.linkage_to(request.tip_link)
         q, point, axes = await self._posture_asked(way, request)
@@ -193,7 +188,6 @@ class KinematicsNode(Node):
             self._markers.show_posture(posture_markers(report))
         return answer(response)
 
-    @guarded
     async def _query_workspace(self, request: Any, response: Any) -> Any:
         settings, robot = self._table.settings, self._robot
         robot.linkage_to("")

@@ -8,14 +8,13 @@ from typing import Any
 from rclpy.node import Node
 from std_srvs.srv import Empty
 
-from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.messages.pose_messages import require_finite
 from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.readiness import Readiness
+from robomech_ros.nodes.common.services import serve
 from robomech_ros.nodes.common.status_report import NodeHealth, StatusReport
 from robomech_ros.nodes.common.twist_input import TwistInput
-from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.mobile_base.drives import INTERFACES, chosen_robot
 from robomech_ros.nodes.mobile_base.mobile_base import BaseOptions, MobileBase
 from robomech_ros.nodes.mobile_base.publication import BasePublication
@@ -107,12 +106,8 @@ class MobileBaseNode(Node):
         return response
 
     def _set_odometry(self, request: Any, response: Any) -> Any:
-        try:
-            require_finite("odometry", request, ("x", "y", "yaw"))
-            self._base.place([request.x, request.y, request.yaw])
-        except RobomechError as error:
-            response.message = str(error)
-            return response
+        require_finite("odometry", request, ("x", "y", "yaw"))
+        self._base.place([request.x, request.y, request.yaw])
         beside = any((request.z, request.roll, request.pitch))
         ignored = "; z, roll and pitch were ignored: the base stays on the ground" if beside else ""
         response.message = f"odometry continues at x, y and yaw{ignored}"

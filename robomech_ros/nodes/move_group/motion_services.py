@@ -12,7 +12,8 @@ from rclpy.node import Node
 
 from robomech_ros.errors import BadValueError
 from robomech_ros.errors.formatting import counted
-from robomech_ros.nodes.middleware.queue_depth import serve, serve_action
+from robomech_ros.nodes.common.services import serve
+from robomech_ros.nodes.middleware.queue_depth import serve_action
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.move_group.execution import Execution
 from robomech_ros.nodes.move_group.planning import MotionPlanning

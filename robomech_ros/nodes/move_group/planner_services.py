@@ -10,7 +10,7 @@ from rclpy.parameter import Parameter
 
 from robomech_ros.collision.libraries import PLANNERS
 from robomech_ros.nodes.common.parameters import table_rows
-from robomech_ros.nodes.middleware.queue_depth import serve
+from robomech_ros.nodes.common.services import serve
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.move_group.settings import MoveGroupSettings
 from robomech_ros.nodes.moveit.motion_request import PIPELINE

@@ -14,8 +14,9 @@ from rclpy.node import Node
 from robomech_ros.errors import RobomechError
 from robomech_ros.nodes.common.cooperative_wait import steady_timer
 from robomech_ros.nodes.common.robot.robot_description import LATCHED
+from robomech_ros.nodes.common.services import serve
 from robomech_ros.nodes.middleware.drained_subscription import create_drained_subscription
-from robomech_ros.nodes.middleware.queue_depth import DEPTH, serve
+from robomech_ros.nodes.middleware.queue_depth import DEPTH
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.move_group.scene_messages import (
     frames_of_scene,

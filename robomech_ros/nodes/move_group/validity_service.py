@@ -10,7 +10,7 @@ from rclpy.node import Node
 
 from robomech_ros.collision import Clearance
 from robomech_ros.errors import RobomechError
-from robomech_ros.nodes.middleware.queue_depth import serve
+from robomech_ros.nodes.common.services import serve
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.move_group.scenes import Scenes
 from robomech_ros.nodes.move_group.settings import MoveGroupSettings

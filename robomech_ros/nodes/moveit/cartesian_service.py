@@ -28,7 +28,7 @@ from robomech_ros.collision.planning import in_words
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.messages.joint_messages import joint_trajectory
-from robomech_ros.nodes.middleware.queue_depth import serve
+from robomech_ros.nodes.common.services import serve
 from robomech_ros.nodes.moveit.cartesian_request import CartesianQuestion, read_question
 from robomech_ros.nodes.moveit.serving import Collisions, answering, refused_as
 from robomech_ros.nodes.moveit.whole_robot import WholeRobot

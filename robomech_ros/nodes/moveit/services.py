@@ -17,7 +17,7 @@ from robomech_ros.kinematics import InverseKinematicsResult, inverse_kinematics
 from robomech_ros.kinematics.inverse.result.status import Status
 from robomech_ros.nodes.common.cooperative_wait import TimeSlices
 from robomech_ros.nodes.common.messages.pose_messages import stamped_pose
-from robomech_ros.nodes.middleware.queue_depth import serve
+from robomech_ros.nodes.common.services import serve
 from robomech_ros.nodes.moveit.ik_request import IkRequest, IkTarget, read_ik_request
 from robomech_ros.nodes.moveit.serving import Collisions, RejectedError, answering, refused_as
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot

@@ -8,7 +8,7 @@ from moveit_msgs.srv import ServoCommandType
 from rclpy.node import Node
 
 from robomech_interfaces.msg import ServoStatus
-from robomech_ros.nodes.middleware.queue_depth import serve
+from robomech_ros.nodes.common.services import serve
 from robomech_ros.nodes.middleware.throttled_log import ThrottledLog
 from robomech_ros.nodes.servo.status import MOVEIT_STATUS
 from robomech_ros.servo.commands import Command, JointCommand, PoseCommand, TwistCommand

@@ -17,7 +17,7 @@ from robomech_ros.nodes.common.motion_clock import MotionClock
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.common.robot.robot_source import when_robot_known
-from robomech_ros.nodes.middleware.queue_depth import serve
+from robomech_ros.nodes.common.services import serve
 from robomech_ros.nodes.process.memory import settle_pages
 from robomech_ros.nodes.process.run import run_node
 from robomech_ros.nodes.servo.driver import Driver

@@ -19,14 +19,14 @@ from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.joints.joint_limits import NoLimitsForPlanError, robot_limits
 from robomech_ros.nodes.common.joints.joint_positions import JointPositions, is_empty
 from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.messages.error_codes import answer, guarded
+from robomech_ros.nodes.common.messages.error_codes import answer
 from robomech_ros.nodes.common.messages.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.robot.floating_base import FloatingRobot
 from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.common.robot.robot_source import when_robot_known
+from robomech_ros.nodes.common.services import serve
 from robomech_ros.nodes.frames.robot_frames import RobotFrames
-from robomech_ros.nodes.middleware.queue_depth import serve
 from robomech_ros.nodes.move_group.monitored_scene import MonitoredScene
 from robomech_ros.nodes.process.memory import settle_pages
 from robomech_ros.nodes.process.run import run_node
@@ -118,7 +118,6 @@ class TrajectoryPlannerNode(Node):
                     points, limits=self._limits, profile=profile, period=0.1, max_points=10_000
                 )
 
-    @guarded
     async def _plan_joint(self, request: Any, response: Any) -> Any:
         settings = self._table.settings
         via, wanted = read_plan_request(request, self._limits, settings)
@@ -141,7 +140,6 @@ class TrajectoryPlannerNode(Node):
             self._plans.publish_soon(response.trajectory, found.poses)
         return self._scene.add_note(scene, answer(response))
 
-    @guarded
     async def _plan_cartesian(self, request: Any, response: Any) -> Any:
         settings = self._table.settings
         asked = read_path_request(request, settings)

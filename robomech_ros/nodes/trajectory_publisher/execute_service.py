@@ -11,9 +11,9 @@ from robomech_interfaces.srv import Execute
 from robomech_ros.errors import RobomechError
 from robomech_ros.execution.client.execution_request import ExecutionRequest
 from robomech_ros.execution.client.position_check import off_goal, off_start
-from robomech_ros.nodes.common.messages.error_codes import NoStateError, answer, guarded
+from robomech_ros.nodes.common.messages.error_codes import NoStateError, answer
 from robomech_ros.nodes.common.messages.message_fields import duration_from_seconds
-from robomech_ros.nodes.middleware.queue_depth import serve
+from robomech_ros.nodes.common.services import serve
 from robomech_ros.nodes.trajectory_publisher.controller_client import ControllerClient
 from robomech_ros.nodes.trajectory_publisher.received_plans import ReceivedPlans
 from robomech_ros.nodes.trajectory_publisher.settings import PublisherSettings, answering_transport
@@ -45,7 +45,6 @@ class ExecuteService:
         self._transport = answering_transport(settings)
         serve(node, Execute, "~/execute", self._execute, callback_group=ReentrantCallbackGroup())
 
-    @guarded
     async def _execute(self, request: Any, response: Any) -> Any:
         if _asks_for_latest(request.trajectory) and not await self._plans.wait_for_plan():
             return answer(response, Code.PREEMPTED, f"not sent: {CANCELLED}")

@@ -13,7 +13,7 @@ from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.messages.error_codes import NoStateError
 from robomech_ros.nodes.common.parameters import NodeParameters, ParameterError
 from robomech_ros.nodes.common.robot.robot_description import RobotModel
-from robomech_ros.nodes.middleware.queue_depth import serve_trigger
+from robomech_ros.nodes.common.services import serve_trigger
 from robomech_ros.nodes.trajectory_publisher.controller_client import ControllerClient
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 from robomech_ros.nodes.trajectory_publisher.program import Program, read_program

@@ -7,9 +7,9 @@ from rclpy.node import Node
 
 from robomech_interfaces.srv import SetSpeed
 from robomech_ros.errors import BadValueError, RobomechError
-from robomech_ros.nodes.common.messages.error_codes import answer, guarded
+from robomech_ros.nodes.common.messages.error_codes import answer
 from robomech_ros.nodes.common.messages.message_fields import duration_from_seconds, finite_number
-from robomech_ros.nodes.middleware.queue_depth import serve, serve_trigger
+from robomech_ros.nodes.common.services import serve, serve_trigger
 from robomech_ros.nodes.trajectory_publisher.dispatch_loop import DispatchLoop
 
 CANCELLED = "cancelled by the service cancel"
@@ -70,7 +70,6 @@ class SpeedServices:
             what = "the program is dropped" if ran else "nothing was under way or waiting"
         return what
 
-    @guarded
     def _set_speed(self, request: Any, response: Any) -> Any:
         now, speed = self._loop.clock.now(), finite_number("speed", request.speed)
         if not _SLOWEST <= speed <= 1.0:

@@ -8,7 +8,7 @@ from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from robomech_ros.nodes.common.cooperative_wait import ended_within, passing_timer, pause
-from robomech_ros.nodes.middleware.queue_depth import serve
+from robomech_ros.nodes.common.services import serve
 
 PAUSES = 10
 

@@ -10,9 +10,10 @@ from std_srvs.srv import Empty, Trigger
 
 from robomech_interfaces.action import ExecuteTrajectory
 from robomech_interfaces.srv import AnalyzeSingularity, QueryWorkspace, SolveFK, SolveIK
+from robomech_ros.nodes.common.services import serve
 from robomech_ros.nodes.joint_trajectory_controller.node import JointTrajectoryControllerNode
 from robomech_ros.nodes.kinematics.node import KinematicsNode
-from robomech_ros.nodes.middleware.queue_depth import ask, ask_action, serve
+from robomech_ros.nodes.middleware.queue_depth import ask, ask_action
 
 CLIENTS, CALLS = 4, 250
 

@@ -1,9 +1,7 @@
-"""Error codes of exceptions, and a guard that converts exceptions to answers."""
+"""Error codes of exceptions."""
 
-import functools
-import inspect
-from collections.abc import Callable, Iterable, Sequence
-from typing import Any, TypeVar
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 from robomech_ros import errors
 from robomech_ros.collision.libraries import MissingLibraryError
@@ -11,8 +9,6 @@ from robomech_ros.errors import RobomechError
 from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.hands.conic_solver import ConicSolverUnavailableError
 from robomech_ros.outcomes import Code
-
-_Callback = TypeVar("_Callback", bound=Callable[..., Any])
 
 
 def shortened(names: Sequence[str], most: int) -> str:
@@ -105,22 +101,3 @@ def answer(response: Any, code: int = 0, text: str = "") -> Any:
     response.error_code = int(code)
     response.error_msg = text
     return response
-
-
-def guarded(callback: _Callback) -> _Callback:
-    """Wrap a service callback, plain or async, so that it answers errors of the request.
-
-    A RobomechError becomes its code and text in an otherwise empty response.  Any other exception
-    is a defect, which `serve` answers.
-    """
-    waits = inspect.iscoroutinefunction(callback)
-
-    @functools.wraps(callback)
-    async def call(self: Any, request: Any, response: Any) -> Any:
-        try:
-            found = callback(self, request, response)
-            return await found if waits else found
-        except RobomechError as error:
-            return answer(type(response)(), code_of(error), str(error))
-
-    return call  # type: ignore[return-value]
