@@ -12,6 +12,7 @@ from robomech_ros.cli.kind_options import note_kinds, refuse_options
 from robomech_ros.cli.warmup import FLOATING, OBSTACLES, demonstration_modules, warm
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.commands.bringup import refuse_of_kind
+from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.nodes.process.nodes_by_kind import KIND_NODES, REFUSED, NodesOfKind
 from robomech_ros.robots import load_description
 from robomech_ros.robots.documents.numbers_in_text import number
@@ -114,9 +115,7 @@ def run(args: argparse.Namespace) -> int:
         if own is not None:
             import_module(own.demonstration).demonstrate(args.robot, args.output)
             return
-        from robomech_ros.nodes.demonstration.limits import Which
-
-        which = Which(args.robot, args.srdf, args.group)
+        which = LaunchOptions(args.robot, srdf=args.srdf, group=args.group, servo=False)
         if args.obstacles:
             from robomech_ros.nodes.move_group.node import require_messages
 

@@ -20,8 +20,7 @@ from robomech_ros.nodes.demonstration.camera import (
     scene_of,
 )
 from robomech_ros.nodes.demonstration.client import DemoClient, running_client
-from robomech_ros.nodes.demonstration.limits import Which, chain_with_limits
-from robomech_ros.nodes.demonstration.postures import pick_and_place
+from robomech_ros.nodes.demonstration.postures import chain_with_limits, pick_and_place
 from robomech_ros.nodes.demonstration.report import Reporter, write_page
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.plotting.calibrations import plot_calibration
@@ -39,7 +38,7 @@ def demonstrate_calibration(
     - ``output``: folder for the picture and the files of the calibration.
     """
     reporter = Reporter()
-    which = Which(robot)
+    which = LaunchOptions(robot, servo=False, calibration=True)
     chain = chain_with_limits(which, reporter.say)
     output = output.resolve()
     mount = MOUNT_OF_TYPE[calibration_type]
@@ -60,13 +59,13 @@ def demonstrate_calibration(
         task = CalibrationTask(client, chain, camera, scene, reporter)
         task.run(start, samples)
         _report(client, task, chain, reporter, output)
-        reporter.finish(_page(client, which, chain, mount, output))
+        reporter.finish(_page(client, robot, chain, mount, output))
 
 
 def _commands(
-    which: Which, calibration_type: str, output: Path, on_tf: bool
+    which: LaunchOptions, calibration_type: str, output: Path, on_tf: bool
 ) -> dict[str, list[str]]:
-    commands = LaunchOptions(which.robot, servo=False, calibration=True).commands()
+    commands = which.commands()
     parameters = {
         "calibration_type": calibration_type,
         "tracking_base_frame": CAMERA,
@@ -110,14 +109,14 @@ def _report(
     reporter.say(f"plot: {picture}")
 
 
-def _page(client: DemoClient, which: Which, chain: SerialChain, mount: str, output: Path) -> str:
+def _page(client: DemoClient, robot: str, chain: SerialChain, mount: str, output: Path) -> str:
     listed = client.call("calibration/list_samples", ListSamples.Request())
-    robot, tracking = (
+    hand, tracking = (
         np.array([matrix_from_pose(pose) for pose in poses.poses])
         for poses in (listed.robot, listed.tracking)
     )
-    result, title = hand_eye(robot, tracking, mount=mount), f"{chain.name}: where is the camera?"
-    description = load_description(which.robot)
+    result, title = hand_eye(hand, tracking, mount=mount), f"{chain.name}: where is the camera?"
+    description = load_description(robot)
     return write_page(
         output / f"{chain.name}_calibration.html",
         lambda path: write_calibration(path, description, chain, result, tracking, title=title),

@@ -1,6 +1,5 @@
 """The demonstration of an arm in space: a body is captured, and the base reacts."""
 
-from dataclasses import asdict
 from pathlib import Path
 
 from robomech_interfaces.srv import Execute, PlanCartesian, PlanJoint, SolveIK
@@ -8,8 +7,8 @@ from robomech_ros.dynamics import FloatingChain
 from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.demonstration.capture_task import CaptureTask, States
 from robomech_ros.nodes.demonstration.client import EXECUTE, PLAN_JOINT, running_client
-from robomech_ros.nodes.demonstration.limits import Which, chain_with_limits
 from robomech_ros.nodes.demonstration.pick_and_place import CARRYING, DemoArm
+from robomech_ros.nodes.demonstration.postures import chain_with_limits
 from robomech_ros.nodes.demonstration.report import Reporter, whole_motion, write_motion_page
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.plotting.panels import Panel, plot_panels
@@ -26,7 +25,7 @@ _SERVICES = {
 }
 
 
-def demonstrate_capture(which: Which, output: Path) -> None:
+def demonstrate_capture(which: LaunchOptions, output: Path) -> None:
     """Capture a free body with an arm on a floating base, and prove it."""
     reporter = Reporter()
     chain, description = chain_with_limits(which, reporter.say), load_description(which.robot)
@@ -35,8 +34,7 @@ def demonstrate_capture(which: Which, output: Path) -> None:
         raise BadValueError("--robot", which.robot, "a robot with a floating base")
     arm, robot = DemoArm(chain), FloatingChain(chain, base)
     reporter.heading(f"{arm.title}, on a floating base of {base.mass:g} kg")
-    commands = LaunchOptions(**asdict(which), servo=False).commands()
-    with running_client(commands, arm.joint_names, arm.units) as (suite, client):
+    with running_client(which.commands(), arm.joint_names, arm.units) as (suite, client):
         task = CaptureTask(client, robot, reporter)
         client.wait_until_up(_SERVICES)
         reporter.up(suite)

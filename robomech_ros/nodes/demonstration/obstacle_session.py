@@ -1,14 +1,14 @@
 """One run of the demonstration with obstacles, from the start of the nodes to the plot."""
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 
 from robomech_ros.collision import PlanningScene
 from robomech_ros.nodes.demonstration.client import running_client
-from robomech_ros.nodes.demonstration.limits import Which, chain_with_limits
 from robomech_ros.nodes.demonstration.obstacle_cell import PADS, arrange_cell, robot_with_bodies
 from robomech_ros.nodes.demonstration.obstacle_task import CLEARANCE, SERVICES, CarryAround
 from robomech_ros.nodes.demonstration.pick_and_place import DemoArm
+from robomech_ros.nodes.demonstration.postures import chain_with_limits
 from robomech_ros.nodes.demonstration.report import Reporter
 from robomech_ros.nodes.demonstration.session import plot_recording
 from robomech_ros.nodes.process.launch_options import LaunchOptions
@@ -17,7 +17,7 @@ from robomech_ros.nodes.process.launch_options import LaunchOptions
 _NODES = ("joint_trajectory_controller", "trajectory_planner", "move_group")
 
 
-def demonstrate_obstacles(which: Which, output: Path) -> None:
+def demonstrate_obstacles(which: LaunchOptions, output: Path) -> None:
     """Carry a part around a wall, and prove that nothing touched anything.
 
     - ``output``: folder for the plot, and for the URDF of a robot without collision geometry.
@@ -34,9 +34,7 @@ def demonstrate_obstacles(which: Which, output: Path) -> None:
     for link, why in scene.unchecked.items():
         reporter.say(f"link '{link}' is not checked: {why}")
     cell = arrange_cell(scene, chain.home(), CLEARANCE)
-    options = LaunchOptions(
-        **asdict(which), servo=False, move_group=True, ros_args=("-p", f"clearance:={CLEARANCE}")
-    )
+    options = replace(which, move_group=True, ros_args=("-p", f"clearance:={CLEARANCE}"))
     commands = {name: words for name, words in options.commands().items() if name in _NODES}
     with running_client(commands, arm.joint_names, arm.units) as (suite, client):
         client.wait_until_up(SERVICES)

@@ -1,11 +1,15 @@
-"""Two postures, well inside the limits of any robot, between which it is worth moving."""
+"""Chains with limits, and two postures well inside them between which it is worth moving."""
+
+from collections.abc import Callable
 
 import numpy as np
 
 from robomech_ros.errors import RobomechError
 from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.kinetostatics import jacobian
-from robomech_ros.robots import PRISMATIC, SerialChain
+from robomech_ros.nodes.common.joints.joint_limits import with_assumed_rates
+from robomech_ros.nodes.process.launch_options import LaunchOptions
+from robomech_ros.robots import PRISMATIC, SerialChain, load_description, load_semantics, main_chain
 from robomech_ros.typing import Array
 
 _CANDIDATES = 400
@@ -21,6 +25,21 @@ _SEPARATION = 0.4
 
 class NoPostureError(RobomechError):
     """The tip of the robot goes nowhere."""
+
+
+def chain_with_limits(which: LaunchOptions, say: Callable[[str], None]) -> SerialChain:
+    """Load a robot with limits of acceleration and jerk, assumed as the planner assumes them.
+
+    - ``say``: prints what was assumed.
+
+    Raises MissingLimitsError: there are no velocity limits to assume others by.
+    """
+    description, notice, _ = with_assumed_rates(load_description(which.robot))
+    chain = main_chain(description, load_semantics(description, which.srdf), group=which.group)
+    chain.require_limits("velocity")
+    if notice:
+        say(notice)
+    return chain
 
 
 def pick_and_place(chain: SerialChain) -> tuple[Array, Array]:

@@ -1,7 +1,7 @@
 """One run of the demonstration, from the start of the nodes to the plot."""
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +9,6 @@ import numpy as np
 from robomech_interfaces.srv import Execute, PlanCartesian, PlanJoint, SolveFK, SolveIK
 from robomech_ros.dynamics import mass_matrix
 from robomech_ros.nodes.demonstration.client import EXECUTE, PLAN_JOINT, running_client
-from robomech_ros.nodes.demonstration.limits import Which, chain_with_limits
 from robomech_ros.nodes.demonstration.pick_and_place import (
     CARRYING,
     TRACKED,
@@ -17,6 +16,7 @@ from robomech_ros.nodes.demonstration.pick_and_place import (
     DemoRobot,
     PickAndPlace,
 )
+from robomech_ros.nodes.demonstration.postures import chain_with_limits
 from robomech_ros.nodes.demonstration.report import Reporter, write_motion_page
 from robomech_ros.nodes.process.launch_options import LaunchOptions
 from robomech_ros.parallel import load_tree_description
@@ -35,7 +35,7 @@ _SERVICES = {
 }
 
 
-def demonstrate(which: Which, output: Path, payload: float | None = None) -> None:
+def demonstrate(which: LaunchOptions, output: Path, payload: float | None = None) -> None:
     """Pick and place with a robot, and tell about it.
 
     - ``payload``: drives move the robot, and it carries this mass (kg) from pick to place; default
@@ -58,7 +58,7 @@ def demonstrate(which: Which, output: Path, payload: float | None = None) -> Non
         robot = DemoArm(chain)
     reporter.heading(robot.title)
     dynamic = payload is not None
-    commands = LaunchOptions(**asdict(which), dynamic=dynamic, servo=False).commands()
+    commands = replace(which, dynamic=dynamic).commands()
     if dynamic:
         commands["joint_trajectory_controller"] += ["-p", f"path_tolerance:={TRACKED}"]
     with running_client(commands, robot.joint_names, robot.units) as (suite, client):

@@ -66,10 +66,7 @@ class Driver:
             node.get_logger().info(f"no switch_command_type and no servo_node/status: {error}")
         else:
             self._status.also = MoveItInterface(node, self._choose).publish
-        given = settings()
-        self._joints = TrackingMonitor(
-            model.chain, monitor, given.tracking_tolerance, given.tracking_delay
-        )
+        self._joints = TrackingMonitor(model.chain, monitor, settings())
         self._scene = SceneGuard(node, model, monitor, settings)
         self._timer = node.create_timer(self.stream.period, self._tick, clock=clock.clock)
         self._timer.cancel()

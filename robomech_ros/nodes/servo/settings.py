@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from robomech_ros.nodes.common.joints.tracking_monitor import StreamSettings
 from robomech_ros.nodes.common.parameters import ParameterError, changeable, parameter
 from robomech_ros.nodes.common.robot.robot_description import FrameSettings
 from robomech_ros.servo.servo import ServoSettings
@@ -12,13 +13,9 @@ _DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
 
 
 @dataclass(frozen=True)
-class ServoNodeSettings(FrameSettings):
+class ServoNodeSettings(StreamSettings, FrameSettings):
     """Parameters of the node."""
 
-    command_out_topic: str = parameter(
-        "joint_trajectory_controller/joint_trajectory",
-        "Command topic of the controller (trajectory_msgs/JointTrajectory)",
-    )
     publish_rate: float = parameter(
         100.0, "Rate of trajectory messages during motion", (20.0, 1000.0, "Hz")
     )
@@ -94,18 +91,6 @@ class ServoNodeSettings(FrameSettings):
         "Largest lead while points are late, as on a busy machine. It falls by one period a "
         "second after 10 s without late points. Values up to lead = constant lead",
         (1, 50, "periods"),
-    )
-    tracking_tolerance: float = parameter(
-        0.1,
-        "Largest deviation of a joint from its commands of the last tracking_delay, rad or m, "
-        "before the stream stops; 0 = any distance",
-        (0.0, 10.0),
-    )
-    tracking_delay: float = parameter(
-        0.2,
-        "Allowed lag of the joints behind their commands. The stream also stops if no joint "
-        "states arrive for this time plus 0.5 s",
-        (0.0, 5.0, "s"),
     )
     halt_messages: int = parameter(
         4,

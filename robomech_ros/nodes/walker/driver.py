@@ -41,9 +41,7 @@ class Driver:
         self._log, robot = ThrottledLog(node.get_logger()), walker.robot
         self._names = robot.joint_names
         self._intake = CommandIntake(node, walker, clock, settings.body_pose_duration)
-        monitor = JointStateMonitor(node)
-        watched = settings.tracking_tolerance, settings.tracking_delay
-        self._joints = TrackingMonitor(robot, monitor, *watched)
+        self._joints = TrackingMonitor(robot, JointStateMonitor(node), settings)
         self._stream = WalkStream(walker, settings.lead)
         self._publication = WalkPublication(node, robot, settings)
         self._loads = LoadPublication(node, robot, settings)

@@ -3,12 +3,13 @@
 import math
 from dataclasses import dataclass
 
+from robomech_ros.nodes.common.joints.tracking_monitor import StreamSettings
 from robomech_ros.nodes.common.parameters import parameter
 from robomech_ros.walking import GAITS, LeggedRobot, Walker
 
 
 @dataclass(frozen=True)
-class WalkerSettings:
+class WalkerSettings(StreamSettings):
     """Parameters of the node."""
 
     robot_description: str = parameter(
@@ -67,22 +68,6 @@ class WalkerSettings:
         "Duration of a trunk motion to a new body_pose; longer if its acceleration would tip the "
         "robot",
         (0.01, 3600.0, "s"),
-    )
-    command_out_topic: str = parameter(
-        "joint_trajectory_controller/joint_trajectory",
-        "Command topic of the controller (trajectory_msgs/JointTrajectory)",
-    )
-    tracking_tolerance: float = parameter(
-        0.1,
-        "Largest deviation of a joint from its commands of the last tracking_delay, rad or m, "
-        "before the walker stops commanding the robot; 0 = any distance",
-        (0.0, 10.0),
-    )
-    tracking_delay: float = parameter(
-        0.2,
-        "Allowed lag of the joints behind their commands. The walker also stops commanding if no "
-        "joint states arrive for this time plus 0.5 s",
-        (0.0, 5.0, "s"),
     )
     rising_speed: float = parameter(
         0.2,

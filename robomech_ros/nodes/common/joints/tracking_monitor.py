@@ -1,10 +1,12 @@
 """Monitor of the joints: start of a stream, and tracking of it."""
 
 from collections import deque
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
 from robomech_ros.nodes.common.messages.error_codes import NoStateError
+from robomech_ros.nodes.common.parameters import parameter
 from robomech_ros.servo.tracking import TrackedJoints, Tracking
 from robomech_ros.typing import Array
 
@@ -14,6 +16,28 @@ _STATE_DUE = 0.2
 _STATE_LOST = 0.5
 # The least lag of this number of looks counts.
 _LOOKS = 10
+
+
+@dataclass(frozen=True)
+class StreamSettings:
+    """Parameters of nodes that stream commands to the controller."""
+
+    command_out_topic: str = parameter(
+        "joint_trajectory_controller/joint_trajectory",
+        "Command topic of the controller (trajectory_msgs/JointTrajectory)",
+    )
+    tracking_tolerance: float = parameter(
+        0.1,
+        "Largest deviation of a joint from its commands of the last tracking_delay, rad or m, "
+        "before the node stops commanding the robot; 0 = any distance",
+        (0.0, 10.0),
+    )
+    tracking_delay: float = parameter(
+        0.2,
+        "Allowed lag of the joints behind their commands. The node also stops commanding if no "
+        "joint states arrive for this time plus 0.5 s",
+        (0.0, 5.0, "s"),
+    )
 
 
 class Fault(NamedTuple):
@@ -26,16 +50,15 @@ class Fault(NamedTuple):
 class TrackingMonitor:
     """Monitors the joints of a robot during a stream of commands.
 
-    - ``tolerance``: largest deviation of a joint from its commands (rad or m); 0 = any.
-    - ``delay``: largest lag behind the commands (s).
+    - ``settings``: largest deviation of a joint from its commands, and largest lag behind them.
     """
 
     def __init__(
-        self, joints: TrackedJoints, monitor: JointStateMonitor, tolerance: float, delay: float
+        self, joints: TrackedJoints, monitor: JointStateMonitor, settings: StreamSettings
     ) -> None:
         self._names, self._monitor = joints.joint_names, monitor
-        self._tolerance, self._delay = tolerance, delay
-        self._tracking = Tracking(joints, tolerance, delay)
+        self._tolerance, self._delay = settings.tracking_tolerance, settings.tracking_delay
+        self._tracking = Tracking(joints, self._tolerance, self._delay)
         # Number of received joint states, and the time (s) of the last one.
         self._updates, self._updated_at = 0, 0.0
         self._waits_from: float | None = None
