@@ -46,21 +46,18 @@ class DescriptionPublisher:
         others = self._others.look()
         self._quiet = 0 if others else self._quiet + 1
         if others:
-            self._yield_to(others)
+            self._wanted = random.randint(*_QUIET_AGAIN)
+            if self._publisher is not None:
+                self._node.destroy_publisher(self._publisher)
+                self._publisher = None
+            if not self._before:
+                names = ", ".join(dict.fromkeys(others))
+                self._node.get_logger().info(f"'{self._topic}' comes from {names}, not from here")
         elif self._publisher is None and self._quiet >= self._wanted:
             self._publisher = self._node.create_publisher(String, self._own_name, LATCHED)
             self._publisher.publish(String(data=self._text))
             self._node.get_logger().info(f"'{self._topic}' comes from here: {self._what}")
         self._before = others
-
-    def _yield_to(self, others: tuple[str, ...]) -> None:
-        self._wanted = random.randint(*_QUIET_AGAIN)
-        if self._publisher is not None:
-            self._node.destroy_publisher(self._publisher)
-            self._publisher = None
-        if not self._before:
-            text = f"'{self._topic}' comes from {', '.join(dict.fromkeys(others))}, not from here"
-            self._node.get_logger().info(text)
 
 
 class RobotDisplay:

@@ -141,7 +141,8 @@ class ControlCycle:
         self._cycles_per_state = max(round(rate / settings.state_publish_rate), 1)
         self._count = 0
         self._limited = False
-        self._others: list[Callable[[tuple[int, int]], None]] = []
+        #: Called with the ROS time (s and ns) of each published state.
+        self.others: list[Callable[[tuple[int, int]], None]] = []
 
     def run(self) -> None:
         """Move the robot, and publish what is due."""
@@ -178,9 +179,5 @@ class ControlCycle:
         """Publish where the joints are; the robot's lock is to be held."""
         stamp = self._robot.stamp()
         self.states.publish(stamp)
-        for publish in self._others:
+        for publish in self.others:
             publish(stamp)
-
-    def also_publish(self, publish: Callable[[tuple[int, int]], None]) -> None:
-        """Call a function with the time stamp (s and ns) of all joint states from now on."""
-        self._others.append(publish)

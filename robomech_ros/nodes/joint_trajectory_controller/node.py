@@ -137,8 +137,7 @@ class JointTrajectoryControllerNode(Node):
         self._control_cycle = ControlCycle(
             self, commanded, model, settings, publish_control, self._servers, self._shutdown.look
         )
-        for publish in robot.publications(self, model, settings):
-            self._control_cycle.also_publish(publish)
+        self._control_cycle.others += robot.publications(self, model, settings)
         if model.legged is not None and settings.walk_efforts_topic:
             states = self._control_cycle.states
             states.reported = ReportedEfforts(

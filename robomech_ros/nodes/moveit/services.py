@@ -27,11 +27,6 @@ from robomech_ros.spatial import inverse_pose
 _MOST_COMBINATIONS = 4096
 
 
-def _no_contact(positions: Positions) -> str:
-    """Answer for requests that do not ask about collisions."""
-    return ""
-
-
 class MoveItServices:
     """The services compute_ik and compute_fk of one node."""
 
@@ -51,7 +46,7 @@ class MoveItServices:
         patience = self._settings().state_timeout
         question = await read_ik_request(request.ik_request, self._robot, patience)
         avoiding = request.ik_request.avoid_collisions
-        contact = self._collisions.contact if avoiding else _no_contact
+        contact = self._collisions.contact if avoiding else lambda positions: ""
         judged = avoiding or bool(question.conditions)
         results = [_solved(target, question, judged) for target in question.targets]
         for target, result in zip(question.targets, results, strict=True):
