@@ -46,10 +46,8 @@ class TfTrack:
         listener = self._listener
         if listener.missing:
             return ""
-        fault = f"; rejected messages: {listener.fault}" if listener.fault else ""
-        topics = " and ".join(f"'{topic}'" for topic in listener.topics)
         known = shortened(listener.tree.frames, _MOST_LISTED) or "none"
-        return f", on {topics}{fault}; known frames: {known}"
+        return f", on {listener.source}; known frames: {known}"
 
 
 class TopicTrack:

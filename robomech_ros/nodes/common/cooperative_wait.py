@@ -140,8 +140,9 @@ class Worker:
             self._awaited.discard(done)
         return result
 
-    def give_up(self, refusal: Exception) -> None:
-        """Make all calls of `do` raise an exception; call it in the executor's thread."""
+    def give_up(self, reason: str) -> None:
+        """Reject all calls of `do`, with a reason; call it in the executor's thread."""
+        refusal = OutcomeError(Code.REJECTED, reason)
         self._closed, self._refusal = True, refusal
         for done in self._awaited:
             if not done.done():

@@ -71,6 +71,12 @@ class FrameListener:
         """Full names of the two topics."""
         return self._moving.topic, str(self._static.topic_name)
 
+    @property
+    def source(self) -> str:
+        """The two topics, and the latest rejected message, as text."""
+        fault = f"; rejected messages: {self.fault}" if self.fault else ""
+        return " and ".join(f"'{topic}'" for topic in self.topics) + fault
+
     def look(self) -> None:
         """Take in what has come since the last look."""
         if self.missing:

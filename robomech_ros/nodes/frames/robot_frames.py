@@ -240,11 +240,9 @@ class RobotFrames:
         """Say what was not found, and what there is."""
         why, listener, model = str(error), self._listener, self.model
         if not listener.missing and model.full_frame(frame) not in listener.tree:
-            said = f"; rejected messages: {listener.fault}" if listener.fault else ""
-            topics = " and ".join(f"'{topic}'" for topic in listener.topics)
             own = model.link_of(frame) in model.description.links
             link = "no chain from the base leads to it" if own else "the robot has no such link"
-            why = f"{link}, and {why} on {topics}{said}"
+            why = f"{link}, and {why} on {listener.source}"
         links = [*model.fixed_frames, *model.description.links]
         usable = [model.frame_of(link) for link in links if self._place_of_link(link) is not None]
         usable += model.virtual_frames

@@ -26,7 +26,6 @@ from robomech_ros.hands.postures import MOST_POSTURES
 from robomech_ros.hands.quality import SHORTEST
 from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.joints.joint_positions import is_empty
-from robomech_ros.nodes.common.messages.error_codes import OutcomeError
 from robomech_ros.nodes.common.messages.joint_messages import positions_by_name
 from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose
 from robomech_ros.nodes.common.parameters import NodeParameters
@@ -42,7 +41,6 @@ from robomech_ros.nodes.grasping.requests import (
 )
 from robomech_ros.nodes.grasping.settings import GraspingSettings, check_settings
 from robomech_ros.nodes.process.run import run_node
-from robomech_ros.outcomes import Code
 
 _TOLERANCE = 1e-4
 _POSTURES = 100
@@ -75,9 +73,8 @@ class GraspingNode(Node):
 
     def stop(self) -> None:
         """Answer the waiting requests."""
-        refusal = OutcomeError(Code.REJECTED, f"the node {self.get_name()} shuts down")
         for worker in (self._analyses, self._forces):
-            worker.give_up(refusal)
+            worker.give_up(f"the node {self.get_name()} shuts down")
 
     def destroy_node(self) -> None:
         """Take leave of ROS, and of the threads for long work."""

@@ -8,13 +8,11 @@ from rclpy.node import Node
 from robomech_ros.dynamics import FloatingBase, FloatingChain
 from robomech_ros.nodes.common.messages.message_fields import NANO
 from robomech_ros.nodes.common.motion_clock import MotionClock
-from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.common.robot.odometry_frame import LEAST, OdometryPublisher
 from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.display.robot_display import NEVER
 from robomech_ros.nodes.joint_trajectory_controller.robot import SimulatedRobot
 from robomech_ros.nodes.joint_trajectory_controller.settings import (
-    KINEMATIC,
     ControllerSettings,
     check_simulation,
     initial_position,
@@ -39,10 +37,7 @@ class FloatingArm(SimulatedRobot):
     def __init__(
         self, robot: FloatingChain, settings: ControllerSettings, clock: MotionClock
     ) -> None:
-        check_simulation(settings, floating=True)
-        if settings.simulation != KINEMATIC:
-            allowed = f"{KINEMATIC}: the base of '{robot.chain.name}' floats"
-            raise ParameterError("simulation", settings.simulation, allowed)
+        check_simulation(settings, True, f"the base of '{robot.chain.name}' floats")
         self._robot, self._momentum = robot, settings.momentum or None
         initial = initial_position(settings, Limits.of(robot.chain), robot.chain.home())
         self._load, self._moved_at = _load(settings), clock.now()

@@ -8,11 +8,9 @@ import numpy as np
 from robomech_ros.execution.controller.simulated_joints import SimulatedJoints
 from robomech_ros.execution.joints import Joints
 from robomech_ros.nodes.common.motion_clock import MotionClock
-from robomech_ros.nodes.common.parameters import ParameterError
 from robomech_ros.nodes.joint_trajectory_controller.commanded_joints import CommandedJoints
 from robomech_ros.nodes.joint_trajectory_controller.settings import (
     DYNAMIC,
-    KINEMATIC,
     ControllerSettings,
     check_simulation,
     initial_position,
@@ -111,10 +109,7 @@ def legged_robot(
     Raises ParameterError: the initial position does not fit the robot, or its forces are to be
     simulated.
     """
-    check_simulation(settings)
-    if settings.simulation != KINEMATIC:
-        allowed = f"{KINEMATIC}: '{legs.name}' is a walking machine"
-        raise ParameterError("simulation", settings.simulation, allowed)
+    check_simulation(settings, why_kinematic=f"'{legs.name}' is a walking machine")
     limits = Limits.of(legs)
     initial = initial_position(settings, limits, legs.home)
     return SimulatedRobot(legs.name, limits, initial, settings, clock)

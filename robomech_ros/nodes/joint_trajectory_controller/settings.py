@@ -234,8 +234,12 @@ class ControllerSettings(FloatingSettings, GripperNames):
     )
 
 
-def check_simulation(settings: ControllerSettings, floating: bool = False) -> None:
+def check_simulation(
+    settings: ControllerSettings, floating: bool = False, why_kinematic: str = ""
+) -> None:
     """Check that parameters of the simulation go together.
+
+    - ``why_kinematic``: why the robot has no dynamic simulation; empty if it has one.
 
     Raises ParameterError: one belongs to the other kind of simulation, or a vector does not have
     three numbers.
@@ -244,6 +248,8 @@ def check_simulation(settings: ControllerSettings, floating: bool = False) -> No
     value = getattr(settings, other)
     if value and not floating:
         raise ParameterError(other, value, f"0 with simulation: {settings.simulation}")
+    if why_kinematic and settings.simulation != KINEMATIC:
+        raise ParameterError("simulation", settings.simulation, f"{KINEMATIC}: {why_kinematic}")
     check_momentum(settings.momentum)
     for name in ("momentum", "payload_velocity"):
         if not floating and any(getattr(settings, name)):

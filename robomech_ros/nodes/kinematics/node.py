@@ -24,7 +24,7 @@ from robomech_ros.kinematics import forward_kinematics
 from robomech_ros.nodes.common.cooperative_wait import TimeSlices, Worker
 from robomech_ros.nodes.common.joints.joint_positions import JointPositions, Linkage
 from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.messages.error_codes import OutcomeError, answer
+from robomech_ros.nodes.common.messages.error_codes import answer
 from robomech_ros.nodes.common.messages.joint_messages import TrajectoryPoints
 from robomech_ros.nodes.common.messages.message_fields import floats
 from robomech_ros.nodes.common.messages.pose_messages import (
@@ -75,8 +75,7 @@ class KinematicsNode(Node):
 
     def stop(self) -> None:
         """Answer all requests that wait for long work."""
-        text = f"the node {self.get_name()} shuts down"
-        self._worker.give_up(OutcomeError(Code.REJECTED, text))
+        self._worker.give_up(f"the node {self.get_name()} shuts down")
 
     def destroy_node(self) -> None:
         """Destroy the node, and end its thread for long work."""

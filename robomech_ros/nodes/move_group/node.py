@@ -11,7 +11,6 @@ from robomech_ros.errors.formatting import counted
 from robomech_ros.nodes.common.cooperative_wait import Worker, steady_timer
 from robomech_ros.nodes.common.joints.joint_limits import robot_limits
 from robomech_ros.nodes.common.joints.joint_state_monitor import JointStateMonitor
-from robomech_ros.nodes.common.messages.error_codes import OutcomeError
 from robomech_ros.nodes.common.parameters import NodeParameters
 from robomech_ros.nodes.common.robot.robot_description import RobotModel
 from robomech_ros.nodes.common.robot.robot_source import when_robot_known
@@ -19,7 +18,6 @@ from robomech_ros.nodes.frames.robot_frames import RobotFrames
 from robomech_ros.nodes.move_group.settings import MoveGroupSettings
 from robomech_ros.nodes.process.memory import settle_pages
 from robomech_ros.nodes.process.run import run_node
-from robomech_ros.outcomes import Code
 
 if TYPE_CHECKING:
     from robomech_ros.nodes.move_group.motion_services import MotionServices
@@ -70,7 +68,7 @@ class MoveGroupNode(Node):
     def stop(self) -> None:
         """Answer all requests that wait for a plan."""
         text = "the node move_group shuts down"
-        self._worker.give_up(OutcomeError(Code.REJECTED, text))
+        self._worker.give_up(text)
         if self._planning is not None:
             self._planning.give_up(text)
 

@@ -14,7 +14,6 @@ from robomech_interfaces.srv import PlanCartesian, PlanJoint
 from robomech_ros.cartesian import Sampling
 from robomech_ros.errors import BadValueError, MissingLimitsError, RobomechError
 from robomech_ros.errors.formatting import counted
-from robomech_ros.execution.rejections import TrajectoryRefusedError
 from robomech_ros.nodes.common.cooperative_wait import Worker
 from robomech_ros.nodes.common.joints.joint_limits import NoLimitsForPlanError, robot_limits
 from robomech_ros.nodes.common.joints.joint_positions import JointPositions, is_empty
@@ -92,7 +91,7 @@ class TrajectoryPlannerNode(Node):
 
     def stop(self) -> None:
         """Answer all requests that wait for a plan."""
-        self._worker.give_up(TrajectoryRefusedError("the trajectory planner shuts down"))
+        self._worker.give_up("the trajectory planner shuts down")
 
     def destroy_node(self) -> None:
         """Take leave of ROS, and of the thread for long work."""

@@ -48,7 +48,7 @@ class ProgramService:
 
     def give_up(self, reason: str) -> None:
         """Answer the requests that wait for a program to begin."""
-        self._worker.give_up(TrajectoryRefusedError(reason))
+        self._worker.give_up(reason)
 
     def destroy(self) -> None:
         """End the thread that reads programs."""
