@@ -24,25 +24,15 @@ from robomech_ros.typing import Array
 _LEAST_STEP, _LEAST_SPEED, _LEAST_SCALE = 1e-5, 1e-6, 1e-6
 
 
-@dataclass(frozen=True)
-class CartesianQuestion:
-    """Checked content of a Cartesian request.
+@dataclass(frozen=True, eq=False)
+class ChainRequest:
+    """Checked content of a request for a motion of a chain.
 
-    - ``revolute_jump``, ``prismatic_jump``: largest move of a joint between two points, rad and m;
-      infinite for any.
     - ``velocity_scale``, ``acceleration_scale``: parts of the limits that may be used.
     """
 
-    chain: SerialChain  #: Chain from the base to the link that follows the path.
-    joint_names: tuple[str, ...]  #: Joints of the group, in the order of the answer.
+    chain: SerialChain  #: The chain that moves.
     positions: Positions  #: Positions of all known joints (rad or m).
-    waypoints: Array  #: Poses of the link in the base (m), shape (m, 4, 4).
-    step: float  #: Largest distance of neighbouring points (m).
-    #: Largest move of the joints between two points, over the mean; infinite for any.
-    relative_jump: float
-    revolute_jump: float
-    prismatic_jump: float
-    conditions: Conditions  #: Conditions that hold along the whole path.
     velocity_scale: float
     acceleration_scale: float
     limited: SerialChain  #: Chain to the link with limited speed.
@@ -52,6 +42,24 @@ class CartesianQuestion:
     def start(self) -> Array:
         """Joint values of the chain at the start, shape (n,)."""
         return np.array([self.positions[name] for name in self.chain.joint_names])
+
+
+@dataclass(frozen=True, eq=False)
+class CartesianQuestion(ChainRequest):
+    """Checked content of a Cartesian request, whose chain leads to the link on the path.
+
+    - ``revolute_jump``, ``prismatic_jump``: largest move of a joint between two points, rad and m;
+      infinite for any.
+    """
+
+    joint_names: tuple[str, ...]  #: Joints of the group, in the order of the answer.
+    waypoints: Array  #: Poses of the link in the base (m), shape (m, 4, 4).
+    step: float  #: Largest distance of neighbouring points (m).
+    #: Largest move of the joints between two points, over the mean; infinite for any.
+    relative_jump: float
+    revolute_jump: float
+    prismatic_jump: float
+    conditions: Conditions  #: Conditions that hold along the whole path.
 
 
 async def read_question(request: Any, robot: WholeRobot, settings: Any) -> CartesianQuestion:

@@ -15,7 +15,7 @@ from robomech_ros.errors import BadValueError
 from robomech_ros.nodes.common.messages.message_fields import finite_number, not_negative
 from robomech_ros.nodes.common.messages.pose_messages import matrix_from_pose, point_vector
 from robomech_ros.nodes.frames.robot_frames import FrameAttachment
-from robomech_ros.nodes.moveit.cartesian_request import read_scale
+from robomech_ros.nodes.moveit.cartesian_request import ChainRequest, read_scale
 from robomech_ros.nodes.moveit.constraints import Conditions, frames_of
 from robomech_ros.nodes.moveit.serving import RejectedError, chain_of, refused_as
 from robomech_ros.nodes.moveit.whole_robot import Positions, WholeRobot
@@ -53,27 +53,12 @@ class MotionGoal:
 
 
 @dataclass(frozen=True, eq=False)
-class MotionRequest:
-    """Checked content of a MotionPlanRequest.
+class MotionRequest(ChainRequest):
+    """Checked content of a MotionPlanRequest."""
 
-    - ``velocity_scale``, ``acceleration_scale``: parts of the limits that may be used.
-    """
-
-    group: str
-    chain: SerialChain  #: The chain that moves.
-    positions: Positions  #: Positions of all known joints (rad or m).
     goals: tuple[MotionGoal, ...]  #: Alternatives; the motion reaches one.
-    velocity_scale: float
-    acceleration_scale: float
-    limited: SerialChain  #: Chain to the link with limited speed.
-    speed: float  #: Largest speed of that link (m/s); infinite for any.
     time: float  #: Time allowed for planning (s).
     planner: str  #: Name of a planner; empty for the default.
-
-    @property
-    def start(self) -> Array:
-        """Joint values of the chain at the start, shape (n,)."""
-        return np.array([self.positions[name] for name in self.chain.joint_names])
 
 
 async def read_motion_request(request: Any, robot: WholeRobot, settings: Any) -> MotionRequest:
@@ -126,7 +111,6 @@ async def read_motion_request(request: Any, robot: WholeRobot, settings: Any) ->
             for i, goal in enumerate(request.goal_constraints)
         ]
     return MotionRequest(
-        group=request.group_name,
         chain=chain,
         positions=positions,
         goals=tuple(goals),
