@@ -11,7 +11,7 @@ from robomech_ros.nodes.common.messages.message_fields import fill_header
 from robomech_ros.nodes.common.messages.pose_messages import PlainPose, fill_place, fill_twist
 from robomech_ros.typing import Array
 
-# The latter as tf2_ros has it.
+# Queue depths of odometry, and of tf as in tf2_ros.
 _DEPTH, _FRAMES_DEPTH = 10, 100
 # Filters such as those of robot_localization invert covariances, so no variance is 0. That of z,
 # roll and pitch, which wheels and feet do not measure, and the addition to the others.
