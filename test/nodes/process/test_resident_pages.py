@@ -40,14 +40,14 @@ def huge():
 
 system = ctypes.CDLL(None)
 system.madvise.argtypes = (ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int)
-probe = mmap.mmap(-1, 8 * resident_pages._HUGE_PAGE, flags=mmap.MAP_PRIVATE)
+probe = mmap.mmap(-1, 8 * memory._HUGE_PAGE, flags=mmap.MAP_PRIVATE)
 probe.write(b"1" * len(probe))
 start = ctypes.addressof(ctypes.c_char.from_buffer(probe))
-page = -(-start // resident_pages._HUGE_PAGE) * resident_pages._HUGE_PAGE
-able = system.madvise(page, resident_pages._HUGE_PAGE, resident_pages._MADV_COLLAPSE) == 0
+page = -(-start // memory._HUGE_PAGE) * memory._HUGE_PAGE
+able = system.madvise(page, memory._HUGE_PAGE, memory._MADV_COLLAPSE) == 0
 values = [float(k) for k in range(1_000_000)]
 before = huge()
-resident_pages.settle_pages()
+memory.settle_pages()
 assert huge() > before + 10_000 or not able, (before, huge())
 assert sum(values) == 499_999_500_000.0
 print("huge pages" if able else "none here")
