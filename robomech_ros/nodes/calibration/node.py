@@ -201,3 +201,6 @@ class CalibrationNode(Node):
 
 
 main = partial(run_node, CalibrationNode)
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -180,3 +180,6 @@ class DynamicsNode(Node):
 
 
 main = partial(run_node, DynamicsNode)
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -132,3 +132,6 @@ class GraspingNode(Node):
 
 
 main = partial(run_node, GraspingNode)
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -238,3 +238,6 @@ def _robot(model: RobotModel, settings: ControllerSettings, clock: MotionClock) 
 
 
 main = partial(run_node, JointTrajectoryControllerNode)
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -228,3 +228,6 @@ class KinematicsNode(Node):
 
 
 main = partial(run_node, KinematicsNode)
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -132,3 +132,6 @@ class MobileBaseNode(Node):
 
 
 main = partial(run_node, MobileBaseNode)
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -123,3 +123,6 @@ class MoveGroupNode(Node):
 
 
 main = partial(run_node, MoveGroupNode)
+
+if __name__ == "__main__":
+    raise SystemExit(main())

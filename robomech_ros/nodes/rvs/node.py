@@ -99,3 +99,6 @@ class RvsNode(Node):
 
 
 main = partial(run_node, RvsNode)
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -99,3 +99,6 @@ def _find_length(chain: SerialChain) -> None:
 
 
 main = partial(run_node, ServoNode)
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -203,3 +203,6 @@ def _motions_of(model: RobotModel, joints: JointPositions) -> "ChainMotions | Pl
 
 
 main = partial(run_node, TrajectoryPlannerNode)
+
+if __name__ == "__main__":
+    raise SystemExit(main())

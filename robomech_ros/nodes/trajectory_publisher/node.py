@@ -135,3 +135,6 @@ class TrajectoryPublisherNode(Node):
 
 
 main = partial(run_node, TrajectoryPublisherNode)
+
+if __name__ == "__main__":
+    raise SystemExit(main())

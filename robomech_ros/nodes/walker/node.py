@@ -42,3 +42,6 @@ class WalkerNode(Node):
 
 
 main = partial(run_node, WalkerNode)
+
+if __name__ == "__main__":
+    raise SystemExit(main())
