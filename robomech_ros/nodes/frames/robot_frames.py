@@ -63,6 +63,9 @@ class FrameAttachment:
         return forward_kinematics(self.chain, q) @ self.offset
 
 
+_BASE = FrameAttachment(None, np.eye(4))
+
+
 class RobotFrames:
     """Finds the frames that requests name.
 
@@ -130,6 +133,8 @@ class RobotFrames:
         Raises FrameUnavailableError: as `find` raises it. NoStateError: joints move the frame, and
         where they are is not known.
         """
+        if not frame:
+            return _BASE.offset
         place = await self.place(frame, patience, stamp)
         given = at or {}
         missing = [name for name in place.joint_names if name not in given]
@@ -151,7 +156,7 @@ class RobotFrames:
         model, tree = self.model, self._listener.tree
         link = model.link_of(frame)
         if not link or link == model.chain.base:
-            return FrameAttachment(None, np.eye(4))
+            return _BASE
         own = self._place_of_link(link)
         if own is not None and own.chain is None:
             return own

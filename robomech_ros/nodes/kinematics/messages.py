@@ -122,8 +122,7 @@ async def poses_in_base(frames: RobotFrames, poses: list[Any], patience: float) 
 def encode_report(report: PostureReport, axes: Array, frame: str, response: Any) -> Any:
     """Fill an AnalyzeSingularity response.
 
-    - ``axes``: rotation of the frame in the base in whose axes directions are given,
-      shape (3, 3) or None.
+    - ``axes``: rotation of the frame in the base in whose axes directions are given, shape (3, 3).
     - ``response``: AnalyzeSingularity.Response.
     """
     lost, free = (
