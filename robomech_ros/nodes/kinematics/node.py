@@ -132,19 +132,21 @@ class KinematicsNode(Node):
         way: Any = self._robot.linkage_to(request.tip_link)
         T = matrix_from_pose(request.target.pose, "target")
         header, patience = request.target.header, self._table.settings.state_timeout
-        frame = await self._frames.in_base(header.frame_id, patience, header.stamp)
+        # Most requests are in the base.
+        if header.frame_id:
+            T = await self._frames.in_base(header.frame_id, patience, header.stamp) @ T
         seed = self._joints.seed(way, request.seed)
         scene = await self._scene.of(way, request.ignore_collisions)
-        start, in_base = perf_counter(), frame @ T
+        start = perf_counter()
         if self._floating.floats and self._frames.is_apart(header.frame_id):
             # Compiled code is loaded only for such a robot.
             from robomech_ros.nodes.kinematics.inertial_solution import solve_inertial
 
             robot, options = self._floating.carrying(way), inverse_options(request)
-            solve = partial(solve_inertial, robot, in_base, seed, scene, options)
+            solve = partial(solve_inertial, robot, T, seed, scene, options)
             result = await self._worker.do(solve)
         else:
-            result = self._robot.solver(way, request, scene)(in_base, seed=seed)
+            result = self._robot.solver(way, request, scene)(T, seed=seed)
         seconds = perf_counter() - start
         encode_result(result, way.joint_names, self._points, seconds, response)
         return self._scene.add_note(scene, response)
