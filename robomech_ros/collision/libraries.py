@@ -1,5 +1,8 @@
 """The libraries that compute distances and sample paths: optional, and loaded on first use."""
 
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from importlib import import_module
 from typing import Any
@@ -20,6 +23,8 @@ PLANNERS = (
     "BKPIECE1",
     "LBKPIECE1",
 )
+# All plans of a process share the random numbers of OMPL.
+_lock = threading.Lock()
 
 
 class MissingLibraryError(RobomechError):
@@ -48,3 +53,16 @@ def _loaded(name: str) -> Any:
     except ImportError:
         why = f"collisions need {name}: pip install 'robomech_ros[collision]'"
         raise MissingLibraryError(why) from None
+
+
+@contextmanager
+def seeded(seed: int) -> Iterator[None]:
+    """Seed OMPL for one plan; other users in the process get different numbers afterwards."""
+    generator = ompl().util.RNG
+    with _lock:
+        later = generator().getLocalSeed()
+        generator.setSeed(seed)
+        try:
+            yield
+        finally:
+            generator.setSeed(later)

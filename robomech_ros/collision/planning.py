@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import math
-import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from enum import Enum
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from robomech_ros.collision.distances import Clearance
-from robomech_ros.collision.libraries import PLANNERS, ompl
+from robomech_ros.collision.libraries import PLANNERS, ompl, seeded
 from robomech_ros.collision.motion_proof import MotionProof
 from robomech_ros.errors import RobomechError, SeedOutsideLimitsError, WrongSizeError
 from robomech_ros.kinematics import inverse_kinematics
@@ -38,8 +35,6 @@ _SLACK = 1e-6
 _ROUNDING = 1e-5
 # Search out of a contact at the start: step (rad or m), most steps, random directions of each.
 _STEP, _STEPS, _DIRECTIONS = 0.02, 60, 24
-# All of a process share the random numbers of OMPL.
-_lock = threading.Lock()
 
 
 class PlanStatus(Enum):
@@ -231,9 +226,8 @@ class _Search:
     def _sampled(self, start: Array, goals: Array) -> Array | None:
         base, geometric = ompl().base, ompl().geometric
         chain, known = self._scene.chain, np.vstack([start, goals])
-        n, bounds = chain.n, partial(_bounds, chain, known.min(axis=0), known.max(axis=0))
-        space = base.RealVectorStateSpace(n)
-        space.setBounds(bounds(_NEARBY if self._is_first else math.inf))
+        n, space = chain.n, base.RealVectorStateSpace(chain.n)
+        space.setBounds(_bounds(chain, known, _NEARBY if self._is_first else math.inf))
         information = base.SpaceInformation(space)
         # The motions that end at a state check it.
         information.setStateValidityChecker(lambda _: True)
@@ -246,7 +240,7 @@ class _Search:
 
         validator = Proved(information)
         information.setMotionValidator(validator)
-        with _seeded(self._request.seed + 1):
+        with seeded(self._request.seed + 1):
             information.setup()
             task, ends = base.ProblemDefinition(information), base.GoalStates(information)
             task.addStartState(_state(space, start))
@@ -258,19 +252,21 @@ class _Search:
                 planner.setRange(_RANGE if self._is_first else _FAR)
             planner.setProblemDefinition(task)
             planner.setup()
-            if self._is_first:
-                last = self.tried + _NEARBY_MOTIONS
-                condition = base.PlannerTerminationCondition(
-                    lambda: self.tried > last or self._is_over()
-                )
-                planner.solve(condition)
-                space.setBounds(bounds(math.inf))
-            if not task.hasExactSolution():
-                planner.solve(base.PlannerTerminationCondition(self._is_over))
-            if not task.hasExactSolution():
+            if not self._solve(planner, task, space, known):
                 return None
             states = task.getSolutionPath().getStates()
         return self._shortened([[state[i] for i in entries] for state in states])
+
+    def _solve(self, planner: Any, task: Any, space: Any, ends: Array) -> bool:
+        """Let a planner sample, RRT-Connect near the ends first; return whether it found a path."""
+        condition = ompl().base.PlannerTerminationCondition
+        if self._is_first:
+            last = self.tried + _NEARBY_MOTIONS
+            planner.solve(condition(lambda: self.tried > last or self._is_over()))
+            space.setBounds(_bounds(self._scene.chain, ends))
+        if not task.hasExactSolution():
+            planner.solve(condition(self._is_over))
+        return bool(task.hasExactSolution())
 
     def _shortened(self, rows: list[list[float]]) -> Array:
         """Go from each waypoint straight to the last one that can be reached."""
@@ -282,19 +278,6 @@ class _Search:
         return np.array([rows[k] for k in kept])
 
 
-@contextmanager
-def _seeded(seed: int) -> Iterator[None]:
-    """Seed OMPL for one plan; afterwards others in the process get different numbers each time."""
-    generator = ompl().util.RNG
-    with _lock:
-        later = generator().getLocalSeed()
-        generator.setSeed(seed)
-        try:
-            yield
-        finally:
-            generator.setSeed(later)
-
-
 def _state(space: Any, q: Array) -> Any:
     state = space.allocState()
     for i, value in enumerate(q.tolist()):
@@ -302,18 +285,20 @@ def _state(space: Any, q: Array) -> Any:
     return state
 
 
-def _bounds(chain: SerialChain, low: Array, high: Array, margin: float) -> Any:
-    """Return the limits of all joints, but no farther than a margin beyond two postures (n,).
+def _bounds(chain: SerialChain, known: Array, margin: float = math.inf) -> Any:
+    """Return the limits of all joints, at most a margin beyond known postures (k, n).
 
     Joints without limits turn at most half a turn beyond them.
     """
+    low, high = known.min(axis=0), known.max(axis=0)
+    lower = np.where(np.isfinite(chain.lower), chain.lower, low - np.pi)
+    upper = np.where(np.isfinite(chain.upper), chain.upper, high + np.pi)
+    lower = np.minimum(np.maximum(lower, low - margin), low)
+    upper = np.maximum(np.minimum(upper, high + margin), high)
     bounds = ompl().base.RealVectorBounds(chain.n)
-    margins = np.where(np.isfinite(chain.upper - chain.lower), margin, min(margin, np.pi))
-    lower = np.minimum(np.maximum(chain.lower, low - margins), low)
-    upper = np.maximum(np.minimum(chain.upper, high + margins), high)
-    for i in range(chain.n):
-        bounds.setLow(i, float(lower[i]))
-        bounds.setHigh(i, float(upper[i]))
+    for i, (least, most) in enumerate(zip(lower.tolist(), upper.tolist(), strict=True)):
+        bounds.setLow(i, least)
+        bounds.setHigh(i, most)
     return bounds
 
 

@@ -1,4 +1,4 @@
-"""What the publisher knows of the controller, and how it sends to it."""
+"""Client of the publisher for the controller: sending of trajectories, and the reported state."""
 
 from collections.abc import Callable, Sequence
 
