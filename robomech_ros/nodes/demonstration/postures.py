@@ -1,4 +1,4 @@
-"""Chains with limits, and two postures well inside them between which it is worth moving."""
+"""Chains with limits, and two postures well inside them, far enough apart for a motion."""
 
 from collections.abc import Callable
 

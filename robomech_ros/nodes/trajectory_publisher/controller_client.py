@@ -24,7 +24,7 @@ _DEPTH = 10
 
 
 class ControllerRefusals:
-    """Finds the refusal of what was sent last; a controller that says nothing has none.
+    """Finds the controller's refusal of the last trajectory, if it publishes one.
 
     - ``on_refused``: called with an execution request, the controller's code and its reason.
     """

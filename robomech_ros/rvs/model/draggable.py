@@ -184,5 +184,5 @@ class DraggableRobot(ABC):
         raise BadValueError("self-motion", length, "an arm of more than six joints")
 
     def ghosts(self, seen: VisualModel, radius_scale: float | None = None) -> GhostMaker:
-        """Return the pieces of ghosts, with another factor of their radii: none."""
+        """Return the maker of ghosts at a factor of their radii; by default it makes none."""
         return NoGhosts()

@@ -81,7 +81,7 @@ class _Shown(ABC):
         """Show the unit of the page."""
 
     def remove(self) -> None:
-        """Take it from the page."""
+        """Remove it from the page."""
         self._units.shown.discard(self)
         self._handle.remove()
 

@@ -59,7 +59,7 @@ class Redundancy:
         locked = 6 if self.data[at.FIRST] == 0.0 else 0
         if self._turns[locked]:
             return -math.pi, math.pi, True
-        # The tip is so far along the slide as the slide has moved, but for the arm's length.
+        # The tip moves along the slide as far as the slide does, to within the arm's length.
         size, transforms = float(self.data[at.SIZE]), self.chain.transforms
         axis = self.T[:3, :3] @ transforms[-1][2, :3] if locked else transforms[0][:3, 2]
         middle = float(axis @ self.T[:3, 3])

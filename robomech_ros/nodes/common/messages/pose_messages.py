@@ -80,7 +80,7 @@ def fill_pose(message: Pose, T: Array) -> None:
 
 
 def fill_place(
-    position: Any, orientation: Any, place: tuple[Sequence[float], Sequence[float]]
+    position: Any, orientation: Any, place: PlainPose
 ) -> None:
     """Write a position (m) and a quaternion xyzw to the parts of a pose or a transform."""
     (position.x, position.y, position.z), turn = place

@@ -37,7 +37,7 @@ class GripperMessages:
         self.kind = getattr(action, self.type_name)
 
     def read(self, goal: Any, reader: CommandReader) -> FingerCommand:
-        """Read where a goal wants the fingers; raises RobomechError for what cannot be."""
+        """Read the positions of the fingers from a goal; RobomechError if they are impossible."""
         return reader.read([], [goal.command.position], [], [goal.command.max_effort])
 
     def _fields(self, state: JointState) -> dict[str, Any]:
@@ -59,7 +59,7 @@ class ParallelGripperMessages(GripperMessages):
     type_name = "ParallelGripperCommand"
 
     def read(self, goal: Any, reader: CommandReader) -> FingerCommand:
-        """Read where a goal wants the fingers; raises RobomechError for what cannot be."""
+        """Read the positions of the fingers from a goal; RobomechError if they are impossible."""
         command = goal.command
         return reader.read(command.name, command.position, command.velocity, command.effort)
 
