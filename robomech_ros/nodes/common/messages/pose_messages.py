@@ -79,9 +79,7 @@ def fill_pose(message: Pose, T: Array) -> None:
     fill_place(message.position, message.orientation, plain_pose(T))
 
 
-def fill_place(
-    position: Any, orientation: Any, place: PlainPose
-) -> None:
+def fill_place(position: Any, orientation: Any, place: PlainPose) -> None:
     """Write a position (m) and a quaternion xyzw to the parts of a pose or a transform."""
     (position.x, position.y, position.z), turn = place
     orientation.x, orientation.y, orientation.z, orientation.w = turn
