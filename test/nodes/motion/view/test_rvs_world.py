@@ -69,9 +69,10 @@ def test_objects_of_move_group_are_seen_dragged_and_gone(graph, client, arm, sho
     tool.header.frame_id = "tool0"
     assert client.apply(box(sizes=(0.4, 0.02, 0.6), position=WALL), attached=[carried(tool)])
     page = shown.page
-    wait_until(lambda: layer._choices() == ("nothing", "wall") and layer._nodes[0]._drawn)
+    wait_until(lambda: layer._choices() == ("nothing", "wall"))
+    # They are drawn one after the other.
     drawn_objects = layer._nodes[0]._drawn
-    assert set(drawn_objects) == {"wall", "tool"}
+    wait_until(lambda: set(drawn_objects) == {"wall", "tool"})
     assert drawn_objects["tool"].frame.name.startswith(f"{page._stage.path('tool0')}/object_")
     wait_until(lambda: "wall" in layer._table.content)
     shown.set(layer._choice, "wall")
